@@ -1,0 +1,55 @@
+/// \file compare.h
+/// The comparator: does a prediction agree with a measurement?
+#ifndef SPHVERIFY_COMPARE_H
+#define SPHVERIFY_COMPARE_H
+
+#include "sphverify/measure.h"
+#include "sphverify/theory.h"
+
+/// The three answers.
+typedef enum sphv_verdict {
+    SPHV_AGREES,       ///< |analytic − empirical| ≤ sum of bounds, and the bounds are telling
+    SPHV_DISAGREES,    ///< the difference exceeds the sum of bounds
+    SPHV_INCONCLUSIVE, ///< the bounds would hide an error of 1 % of the quantity
+} sphv_verdict;
+
+const char *sphv_verdict_name(sphv_verdict verdict);
+
+/// The worse of two: disagrees, then inconclusive, then agrees.
+sphv_verdict sphv_verdict_worse(sphv_verdict a, sphv_verdict b);
+
+/// Compares two numbers.
+/// \param scale size of the quantity, of which an error of 1 % must not go unnoticed
+sphv_verdict sphv_compare(sphv_result analytic, sphv_result empirical, double scale);
+
+/// One point: both halves side by side.
+typedef struct sphv_point {
+    sphv_prediction analytic;
+    sphv_measurement empirical;
+    double difference; ///< analytic − empirical total
+    sphv_verdict verdict;
+} sphv_point;
+
+/// Smallest and largest arguments that `sphv_evaluate_point` accepts.
+#define SPHV_H_MIN 1e-9
+#define SPHV_H_MAX 10.0
+#define SPHV_SPACING_MIN 1e-4
+
+/// Checks h and spacing as a user gives them.
+sphv_status sphv_check_point(const sphv_profile *profile, double h, sphv_number spacing,
+                             sphv_error *error) SPHV_MUST_CHECK;
+
+/// Evaluates both halves at one point of a uniform lattice in one dimension and compares E.
+/// The quantity whose 1 % counts is the larger of |E_s|, |E_d| and |E|: near a sign change of E the
+/// parts, not their difference, are what the theory claims to know.
+/// \param exhaustive evaluate every particle of a wavelength instead of one
+/// \param progress   for the exhaustive evaluation; may be NULL
+sphv_status sphv_evaluate_point(const sphv_profile *profile, double h, sphv_number spacing,
+                                sphv_form_of_theory form, bool exhaustive, sphv_progress progress,
+                                void *context, sphv_point *out, sphv_error *error) SPHV_MUST_CHECK;
+
+/// Least-squares slope of log|y| against log x with the standard error of the slope; points with
+/// y = 0 are left out. NaN when fewer than two remain.
+sphv_result sphv_fit_slope(const double *x, const double *y, size_t count);
+
+#endif
