@@ -34,9 +34,8 @@ static double polynomial(int p, double fraction)
         power *= x / (i + 1);
     }
     for (int m = p / 2; m >= 0; m--) {
-        double half = m == 0 ? 1
-                             : (m % 2 ? -2 : 2) * gsl_sf_eta_int(2 * m) /
-                                   gsl_pow_int(2 * M_PI, 2 * m);
+        double half =
+            m == 0 ? 1 : (m % 2 ? -2 : 2) * gsl_sf_eta_int(2 * m) / gsl_pow_int(2 * M_PI, 2 * m);
         sum += half * weight[p - 2 * m];
     }
     return sum;

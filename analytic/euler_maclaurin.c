@@ -10,10 +10,14 @@ static const double remainder_wanted = 1e-18;
 static double sine_derivative(double K, double s, int n)
 {
     switch (n % 4) {
-    case 0: return n ? gsl_pow_int(K, n - 1) * sin(K * s) : sphv_sine_over(K, s);
-    case 1: return gsl_pow_int(K, n - 1) * cos(K * s);
-    case 2: return -gsl_pow_int(K, n - 1) * sin(K * s);
-    default: return -gsl_pow_int(K, n - 1) * cos(K * s);
+    case 0:
+        return n ? gsl_pow_int(K, n - 1) * sin(K * s) : sphv_sine_over(K, s);
+    case 1:
+        return gsl_pow_int(K, n - 1) * cos(K * s);
+    case 2:
+        return -gsl_pow_int(K, n - 1) * sin(K * s);
+    default:
+        return -gsl_pow_int(K, n - 1) * cos(K * s);
     }
 }
 
@@ -28,9 +32,9 @@ double sphv_gradient_jump(const sphv_knot *knot, double K, int order, double *ma
         factorial *= i + 1;
         double part = binomial * factorial * knot->jump[i + 1] *
                       sine_derivative(K, knot->position.value, order - i);
-        double size = binomial * factorial * fabs(knot->jump[i + 1]) *
-                      (i == order ? fmin(knot->position.value, 1 / K)
-                                  : gsl_pow_int(K, order - i - 1));
+        double size =
+            binomial * factorial * fabs(knot->jump[i + 1]) *
+            (i == order ? fmin(knot->position.value, 1 / K) : gsl_pow_int(K, order - i - 1));
         sum -= part;
         *magnitude += size;
         binomial *= (order - i) / (i + 1.0);
@@ -52,10 +56,10 @@ static sphv_result term(const sphv_knot *knot, double K, double spacing, sphv_la
     double jump = sphv_gradient_jump(knot, K, p - 1, &magnitude);
     double power = pair * (p % 2 ? -1 : 1) * gsl_pow_int(spacing, p);
     double size = 4 / gsl_pow_int(2 * M_PI * (p < 6 ? 1 : modes + 1), p);
-    return (sphv_result){power * bernoulli.value * jump,
-                         fabs(power) * magnitude *
-                             (bernoulli.bound +
-                              (24 + 6 * p + 6 * K * knot->position.value) * SPHV_U * size)};
+    return (sphv_result){
+        power * bernoulli.value * jump,
+        fabs(power) * magnitude *
+            (bernoulli.bound + (24 + 6 * p + 6 * K * knot->position.value) * SPHV_U * size)};
 }
 
 /// Σ over pieces (both sides of the origin) of length · sup|Ŵ^(n)|/n!.

@@ -55,9 +55,12 @@ static double transform_integrand(double q, void *context)
     const struct oscillation *of = context;
     double w = sphv_profile_derivative(of->profile, 0, q).value, x = of->wavenumber * q;
     switch (of->profile->dimension) {
-    case 1: return 2 * w * cos(x);
-    case 2: return 2 * M_PI * q * w * gsl_sf_bessel_J0(x);
-    default: return 4 * M_PI * q * q * w * (x < 1e-4 ? 1 - x * x / 6 : sin(x) / x);
+    case 1:
+        return 2 * w * cos(x);
+    case 2:
+        return 2 * M_PI * q * w * gsl_sf_bessel_J0(x);
+    default:
+        return 4 * M_PI * q * q * w * (x < 1e-4 ? 1 - x * x / 6 : sin(x) / x);
     }
 }
 

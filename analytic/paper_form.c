@@ -37,7 +37,7 @@ sphv_status sphv_predict_paper(const sphv_profile *profile, double h, sphv_numbe
     double K = 2 * M_PI * h;
     sphv_lattice_place place = sphv_number_place(profile->support_exact, spacing);
     if (fabs(place.fraction - 0.5) > 1e-9) {
-        double near = 2 * profile->support / (2 * place.inside + 1);
+        double near = 2 * profile->support / (2 * (double)place.inside + 1);
         return sphv_fail(error, SPHV_NO_CLOSED_FORM,
                          "the paper's form has no value at spacing %.10g; allowed: spacings "
                          "2*support/(2n+1) such as %.10g, or the exact form",

@@ -24,7 +24,8 @@ static sphv_result series(const sphv_profile *profile, double K)
         variation += 2 * (profile->pieces[i].outer - profile->pieces[i].inner) *
                      profile->pieces[i].derivative_bound[1];
     double x = K * profile->support;
-    double remainder = exp((next - 1) * log(x) + log(profile->support) - lgamma(next + 1.0)) * variation;
+    double remainder =
+        exp((next - 1) * log(x) + log(profile->support) - lgamma(next + 1.0)) * variation;
     sum += profile->slope_excess;
     return (sphv_result){sum, bound + 2 * SPHV_U * fabs(sum) + remainder};
 }

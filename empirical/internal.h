@@ -19,8 +19,8 @@ typedef struct sphv_sum {
 static inline void sphv_sum_add(sphv_sum *sum, double term, double uncertainty)
 {
     double next = sum->value + term;
-    sum->lost += fabs(sum->value) >= fabs(term) ? (sum->value - next) + term
-                                                : (term - next) + sum->value;
+    sum->lost +=
+        fabs(sum->value) >= fabs(term) ? (sum->value - next) + term : (term - next) + sum->value;
     sum->value = next;
     // The lost parts are added in plain arithmetic: second order in u, covered by 4u² per term.
     sum->bound += uncertainty + 4 * SPHV_U * SPHV_U * fabs(next);

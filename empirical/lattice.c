@@ -18,8 +18,7 @@ static sphv_status check_arguments(const sphv_profile *profile, double h, sphv_n
 {
     if (profile->dimension != 1)
         return sphv_fail(error, SPHV_NO_CLOSED_FORM,
-                         "no lattice measurement in %d dimensions; allowed: 1",
-                         profile->dimension);
+                         "no lattice measurement in %d dimensions; allowed: 1", profile->dimension);
     if (!(h > 0 && isfinite(h)))
         return sphv_fail(error, SPHV_INVALID_INPUT, "h is %g; allowed: a positive number", h);
     if (!(spacing.value > 0 && spacing.value < profile->support &&
@@ -93,7 +92,8 @@ static void measure_particle(const sphv_profile *profile, double h, sphv_number 
         sphv_result slope = sphv_profile_derivative(profile, 1, q);
         double bend = sphv_profile_derivative(profile, 2, q).value;
         double weight = spacing.value / (2 * M_PI * h);
-        uncertainty = weight * (slope.bound + fabs(bend) * q * SPHV_U + 8 * SPHV_U * fabs(slope.value));
+        uncertainty =
+            weight * (slope.bound + fabs(bend) * q * SPHV_U + 8 * SPHV_U * fabs(slope.value));
         sphv_sum_add(&estimate, -weight * slope.value * right, uncertainty);
         sphv_sum_add(&estimate, weight * slope.value * left, uncertainty);
     }
@@ -117,8 +117,7 @@ static void merge(struct partial *into, const struct partial *from)
 
 sphv_status sphv_measure_lattice_exhaustive(const sphv_profile *profile, double h,
                                             sphv_number spacing, sphv_progress progress,
-                                            void *context, sphv_measurement *out,
-                                            sphv_error *error)
+                                            void *context, sphv_measurement *out, sphv_error *error)
 {
     sphv_status status = check_arguments(profile, h, spacing, error);
     if (status != SPHV_OK) return status;
@@ -149,13 +148,14 @@ sphv_status sphv_measure_lattice_exhaustive(const sphv_profile *profile, double 
     sphv_result es = sphv_sum_result(&all.error_slope), ss = sphv_sum_result(&all.slope_square),
                 ee = sphv_sum_result(&all.error_square);
     out->total.value = es.value / ss.value;
-    out->total.bound = es.bound / ss.value + fabs(out->total.value) * (ss.bound / ss.value + SPHV_U);
+    out->total.bound =
+        es.bound / ss.value + fabs(out->total.value) * (ss.bound / ss.value + SPHV_U);
     out->l2.value = sqrt(ee.value / ss.value) / M_SQRT2;
     // √ is 1/2-Hölder at zero: |√x − √y| ≤ √|x − y| there, |x − y|/√x elsewhere.
     double spread = ee.bound / ss.value;
-    out->l2.bound = (ee.value > 0 ? fmin(sqrt(spread), spread / sqrt(ee.value / ss.value))
-                                  : sqrt(spread)) +
-                    out->l2.value * (ss.bound / ss.value + 4 * SPHV_U);
+    out->l2.bound =
+        (ee.value > 0 ? fmin(sqrt(spread), spread / sqrt(ee.value / ss.value)) : sqrt(spread)) +
+        out->l2.value * (ss.bound / ss.value + 4 * SPHV_U);
     out->particles = count;
     out->neighbours = 2 * inside + 1;
     out->pairs = count * 2 * inside;

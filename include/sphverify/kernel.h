@@ -33,11 +33,11 @@
 #include "sphverify/status.h"
 
 enum {
-    SPHV_DIMENSIONS = 3,   ///< kernels live in 1 to 3 dimensions
-    SPHV_JET_MAX = 96,     ///< highest Taylor order of a profile that may be asked for
-    SPHV_MOMENT_MAX = 84,  ///< highest moment kept
-    SPHV_PIECES_MAX = 32,  ///< pieces of a kernel file
-    SPHV_DEGREE_MAX = 40,  ///< degree of a piece
+    SPHV_DIMENSIONS = 3,  ///< kernels live in 1 to 3 dimensions
+    SPHV_JET_MAX = 96,    ///< highest Taylor order of a profile that may be asked for
+    SPHV_MOMENT_MAX = 84, ///< highest moment kept
+    SPHV_PIECES_MAX = 32, ///< pieces of a kernel file
+    SPHV_DEGREE_MAX = 40, ///< degree of a piece
 };
 
 /// A place where a derivative of Ŵ(|s|) jumps. For 0 < position every knot stands for the pair
@@ -62,9 +62,9 @@ typedef struct sphv_piece {
 /// so any number of threads may share it.
 typedef struct sphv_profile {
     int dimension;
-    double support;         ///< κ
+    double support; ///< κ
     sphv_number support_exact;
-    sphv_result constant;   ///< C_d, recomputed from w, never the file's claim
+    sphv_result constant;    ///< C_d, recomputed from w, never the file's claim
     int boundary_smoothness; ///< β, found from the derivatives at κ
     int piece_count;
     sphv_piece *pieces;
@@ -75,18 +75,18 @@ typedef struct sphv_profile {
     /// slope_moment[j] = −∫ |s|^(j+1) Ŵ′ dV/(j+d), Ŵ′ taken piece by piece. Equal to moment[j]
     /// when Ŵ is continuous and vanishes at κ (integration by parts).
     sphv_result slope_moment[SPHV_MOMENT_MAX + 1];
-    double excess;       ///< moment[0] − 1 without cancellation: 0 unless truncated
-    double slope_excess; ///< slope_moment[0] − 1 without cancellation
+    double excess;                ///< moment[0] − 1 without cancellation: 0 unless truncated
+    double slope_excess;          ///< slope_moment[0] − 1 without cancellation
     const struct sphv_form *form; ///< how closed forms are evaluated; private to the core
 } sphv_profile;
 
 /// What a kernel file says of its kernel beyond its shape; each is verified, never trusted.
 typedef struct sphv_kernel_claims {
-    char *constant[SPHV_DIMENSIONS];  ///< text of C_1, C_2, C_3, or NULL
-    const int *boundary_smoothness;   ///< β, or NULL
-    const int *smoothing_order;       ///< order of the smoothing error in h, or NULL
-    const int *monotone;              ///< 1 when w is claimed to decrease everywhere, or NULL
-    const int *non_negative;          ///< 1 when w is claimed to be nowhere negative, or NULL
+    char *constant[SPHV_DIMENSIONS]; ///< text of C_1, C_2, C_3, or NULL
+    const int *boundary_smoothness;  ///< β, or NULL
+    const int *smoothing_order;      ///< order of the smoothing error in h, or NULL
+    const int *monotone;             ///< 1 when w is claimed to decrease everywhere, or NULL
+    const int *non_negative;         ///< 1 when w is claimed to be nowhere negative, or NULL
 } sphv_kernel_claims;
 
 /// A kernel: identity, claims, and a profile for each dimension it is legal in.
@@ -97,8 +97,8 @@ typedef struct sphv_kernel sphv_kernel;
 /// \param out    receives the kernel, to be released with sphv_kernel_free
 /// \param error  receives `file:line: what is wrong; what is allowed`
 /// \return SPHV_OK, SPHV_INVALID_INPUT for a file that is not a kernel, or SPHV_RESOURCE_FAILURE
-sphv_status sphv_kernel_load(const char *path, sphv_kernel **out, sphv_error *error)
-    SPHV_MUST_CHECK;
+sphv_status sphv_kernel_load(const char *path, sphv_kernel **out,
+                             sphv_error *error) SPHV_MUST_CHECK;
 void sphv_kernel_free(sphv_kernel *kernel);
 
 const char *sphv_kernel_name(const sphv_kernel *kernel);
@@ -129,8 +129,8 @@ void sphv_kernel_moment_text(const sphv_kernel *kernel, int dimension, int j, ch
 bool sphv_kernel_exact_value(const sphv_kernel *kernel, int dimension, int derivative, double q,
                              double *value);
 
-/// Ŵ^(derivative)(q), derivative 0, 1, 2 …, with a running rounding bound; 0 for q ≥ κ. At a knot the outer
-/// piece is taken. \pre q >= 0, 0 <= derivative <= SPHV_JET_MAX
+/// Ŵ^(derivative)(q), derivative 0, 1, 2 …, with a running rounding bound; 0 for q ≥ κ. At a knot
+/// the outer piece is taken. \pre q >= 0, 0 <= derivative <= SPHV_JET_MAX
 sphv_result sphv_profile_derivative(const sphv_profile *profile, int derivative, double q);
 
 /// Taylor coefficients Ŵ^(i)(q)/i!, i = 0 … order, of one piece about q, which may be its ends.

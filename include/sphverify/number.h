@@ -25,8 +25,8 @@ sphv_number sphv_number_from_ratio(long numerator, long denominator);
 /// \param error  receives the reason of a failure
 /// \return SPHV_OK, or SPHV_INVALID_INPUT when the text is not such a number, is out of the range
 ///         of a double, or divides by zero
-sphv_status sphv_number_parse(const char *text, sphv_number *out, sphv_error *error)
-    SPHV_MUST_CHECK;
+sphv_status sphv_number_parse(const char *text, sphv_number *out,
+                              sphv_error *error) SPHV_MUST_CHECK;
 
 /// Where a knot stands on the lattice j·step, j = 0, 1, 2, …
 typedef struct sphv_lattice_place {

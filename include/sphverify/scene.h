@@ -27,14 +27,14 @@ typedef struct sphv_curve {
 typedef struct sphv_claim {
     char *id, *statement;
     const struct sphv_claim_measure *measure; ///< a row of `sphv_claim_measures`
-    size_t curve;           ///< index of the curve measured
+    size_t curve;                             ///< index of the curve measured
     bool has_reference;
-    size_t reference;       ///< index of the curve it is compared with, for the measures that need one
-    bool special_only;      ///< use only the points with Δx/h = 2κ/(2n+1)
-    double from, to;        ///< part of the abscissa to use
+    size_t reference;  ///< index of the curve it is compared with, for the measures that need one
+    bool special_only; ///< use only the points with Δx/h = 2κ/(2n+1)
+    double from, to;   ///< part of the abscissa to use
     double expected, tolerance;
-    char *reason;           ///< where the tolerance comes from
-    char *refuted;          ///< why the claim is known not to hold; NULL for claims that should
+    char *reason;  ///< where the tolerance comes from
+    char *refuted; ///< why the claim is known not to hold; NULL for claims that should
 } sphv_claim;
 
 /// A scene file, loaded.
@@ -60,13 +60,13 @@ void sphv_scene_free(sphv_scene *scene);
 /// One point of a curve. Where the abscissa is q, `point.analytic.total` is Ŵ(q) in exact
 /// arithmetic (or by the closed form) and `point.empirical.total` its floating-point evaluation.
 typedef struct sphv_sample {
-    double x;  ///< abscissa
+    double x; ///< abscissa
     double h;
     sphv_number spacing;
-    long n;    ///< Δx/h = 2κ/(2n+1), or −1 at other spacings and over q
-    bool marked;             ///< to be drawn as an analytic point
-    sphv_point point;        ///< exact form beside measurement
-    sphv_prediction paper;   ///< the paper's form; meaningful where n >= 0
+    long n;                ///< Δx/h = 2κ/(2n+1), or −1 at other spacings and over q
+    bool marked;           ///< to be drawn as an analytic point
+    sphv_point point;      ///< exact form beside measurement
+    sphv_prediction paper; ///< the paper's form; meaningful where n >= 0
     sphv_verdict paper_verdict;
 } sphv_sample;
 

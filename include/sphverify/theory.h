@@ -67,12 +67,13 @@ sphv_result sphv_smoothing_error(const sphv_profile *profile, double h);
 sphv_result sphv_discretisation_error(const sphv_profile *profile, double h, sphv_number spacing,
                                       int *terms, int *modes);
 
-/// One term of that series, for reports: 2(−1)^p Δs^p B̄_p(κ_i/Δs)/p! [f^(p−1)(κ_i−) − f^(p−1)(κ_i+)].
+/// One term of that series, for reports: 2(−1)^p Δs^p B̄_p(κ_i/Δs)/p! [f^(p−1)(κ_i−) −
+/// f^(p−1)(κ_i+)].
 double sphv_euler_maclaurin_term(const sphv_profile *profile, int knot, double h,
                                  sphv_number spacing, int p);
 
-/// The order in Δs that the exact series predicts as h → 0 at the special spacings 2κ/(2n+1), from the
-/// smoothness at every knot, and the knot that decides it.
+/// The order in Δs that the exact series predicts as h → 0 at the special spacings 2κ/(2n+1), from
+/// the smoothness at every knot, and the knot that decides it.
 int sphv_predicted_order(const sphv_profile *profile, bool special_spacing, int *deciding_knot);
 
 /// Fourier transform of the profile, Ŵ_F(Ω) = ∫Ŵ(|s|) e^{−iΩ·s} dV, by quadrature.
@@ -81,11 +82,11 @@ sphv_result sphv_fourier_transform(const sphv_profile *profile, double wavenumbe
 
 /// Where the Fourier transform of a profile first turns negative, and its minimum.
 typedef struct sphv_fourier_sign {
-    bool negative;          ///< it does, beyond its bound, below `searched`
-    double first_negative;  ///< first wavenumber Ω (units 1/h) at which it is negative
-    double minimum;         ///< least value found, relative to Ŵ_F(0)
+    bool negative;         ///< it does, beyond its bound, below `searched`
+    double first_negative; ///< first wavenumber Ω (units 1/h) at which it is negative
+    double minimum;        ///< least value found, relative to Ŵ_F(0)
     double minimum_at;
-    double searched;        ///< the search ended here
+    double searched; ///< the search ended here
 } sphv_fourier_sign;
 
 sphv_fourier_sign sphv_fourier_find_sign(const sphv_profile *profile);

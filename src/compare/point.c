@@ -31,8 +31,9 @@ sphv_status sphv_evaluate_point(const sphv_profile *profile, double h, sphv_numb
                                                               context, &out->empirical, error)
                             : sphv_measure_lattice(profile, h, spacing, &out->empirical, error);
     if (status != SPHV_OK) return status;
-    double scale = fmax(fabs(out->analytic.total.value), fmax(fabs(out->analytic.smoothing.value),
-                                                        fabs(out->analytic.discretisation.value)));
+    double scale =
+        fmax(fabs(out->analytic.total.value),
+             fmax(fabs(out->analytic.smoothing.value), fabs(out->analytic.discretisation.value)));
     out->difference = out->analytic.total.value - out->empirical.total.value;
     out->verdict = sphv_compare(out->analytic.total, out->empirical.total, scale);
     return SPHV_OK;

@@ -10,8 +10,7 @@ void sphv_catalogue_free(sphv_catalogue *catalogue)
     *catalogue = (sphv_catalogue){0, NULL};
 }
 
-sphv_status sphv_catalogue_load(const char *data_directory, sphv_catalogue *out,
-                                sphv_error *error)
+sphv_status sphv_catalogue_load(const char *data_directory, sphv_catalogue *out, sphv_error *error)
 {
     *out = (sphv_catalogue){0, NULL};
     sphv_file_list files;

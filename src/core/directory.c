@@ -98,8 +98,7 @@ sphv_status sphv_file_find(const char *data_directory, const char *folder, const
                            sphv_error *error)
 {
     int is_path = strchr(name_or_path, '/') || ends_in(name_or_path, suffix);
-    *path = is_path ? strdup(name_or_path)
-                    : join(data_directory, folder, name_or_path, suffix);
+    *path = is_path ? strdup(name_or_path) : join(data_directory, folder, name_or_path, suffix);
     if (!*path) return sphv_fail(error, SPHV_RESOURCE_FAILURE, "out of memory");
     struct stat about;
     if (is_path || stat(*path, &about) == 0) return SPHV_OK;

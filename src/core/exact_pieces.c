@@ -85,8 +85,8 @@ void sphv_exact_pieces_moment(mpq_t out, const sphv_exact_pieces *pieces, int or
     mpq_set_ui(out, 0, 1);
     for (int i = 0; i < pieces->count; i++) {
         if (i)
-            sphv_polynomial_moment(part, &pieces->polynomial[i], order, power,
-                                   pieces->outer[i - 1], pieces->outer[i]);
+            sphv_polynomial_moment(part, &pieces->polynomial[i], order, power, pieces->outer[i - 1],
+                                   pieces->outer[i]);
         else
             sphv_polynomial_moment(part, &pieces->polynomial[i], order, power, zero,
                                    pieces->outer[i]);

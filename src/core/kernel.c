@@ -95,8 +95,8 @@ static sphv_status compile_polynomial(sphv_kernel *kernel, int d, sphv_error *er
                          "normalises it",
                          d, d > 1 ? "s" : "");
     sphv_exact_pieces_scale(exact, kernel->constant[d - 1]);
-    status = sphv_profile_from_pieces(&kernel->profile[d - 1], d, exact, kernel->constant[d - 1],
-                                      error);
+    status =
+        sphv_profile_from_pieces(&kernel->profile[d - 1], d, exact, kernel->constant[d - 1], error);
     if (status == SPHV_OK && kernel->gradient.count) status = compile_gradient(kernel, d, error);
     return status;
 }
@@ -210,7 +210,8 @@ void sphv_kernel_moment_text(const sphv_kernel *kernel, int dimension, int j, ch
 bool sphv_kernel_exact_value(const sphv_kernel *kernel, int dimension, int derivative, double q,
                              double *value)
 {
-    if (!kernel->polynomial || !sphv_kernel_profile(kernel, dimension) || !isfinite(q)) return false;
+    if (!kernel->polynomial || !sphv_kernel_profile(kernel, dimension) || !isfinite(q))
+        return false;
     const sphv_exact_pieces *pieces = &kernel->exact[dimension - 1];
     mpq_t at, sum, power;
     mpq_inits(at, sum, power, NULL);

@@ -54,8 +54,7 @@ static const cyaml_schema_value_t piece_entry = {
 static const cyaml_schema_field_t constant_fields[] = {
     CYAML_FIELD_STRING_PTR("1d", OPTIONAL, struct file_constants, one, 1, 80),
     CYAML_FIELD_STRING_PTR("2d", OPTIONAL, struct file_constants, two, 1, 80),
-    CYAML_FIELD_STRING_PTR("3d", OPTIONAL, struct file_constants, three, 1, 80),
-    CYAML_FIELD_END};
+    CYAML_FIELD_STRING_PTR("3d", OPTIONAL, struct file_constants, three, 1, 80), CYAML_FIELD_END};
 
 static const cyaml_schema_field_t claim_fields[] = {
     CYAML_FIELD_INT_PTR("boundary_smoothness", OPTIONAL, struct file_claims, boundary_smoothness),
@@ -156,16 +155,16 @@ static sphv_status read_coefficients(const sphv_yaml *yaml, const char *list, un
         status = read_rational(yaml, place, piece->coefficients[k], out->coefficient[k], error);
         double size = fabs(mpq_get_d(out->coefficient[k]));
         if (status == SPHV_OK && !(size <= 1e60))
-            status = sphv_yaml_fail(yaml, place, error,
-                                    "coefficient %s; allowed: magnitudes up to 1e60",
-                                    piece->coefficients[k]);
+            status =
+                sphv_yaml_fail(yaml, place, error, "coefficient %s; allowed: magnitudes up to 1e60",
+                               piece->coefficients[k]);
     }
     return status;
 }
 
 static sphv_status read_pieces(const sphv_yaml *yaml, const char *list,
-                               const struct file_piece *pieces, unsigned count,
-                               const mpq_t support, sphv_exact_pieces *out, sphv_error *error)
+                               const struct file_piece *pieces, unsigned count, const mpq_t support,
+                               sphv_exact_pieces *out, sphv_error *error)
 {
     sphv_status status = sphv_exact_pieces_make(out, (int)count, error);
     for (unsigned i = 0; status == SPHV_OK && i < count; i++) {
@@ -173,8 +172,8 @@ static sphv_status read_pieces(const sphv_yaml *yaml, const char *list,
         snprintf(place, sizeof place, "%s.%u.until", list, i);
         status = read_rational(yaml, place, pieces[i].until, out->outer[i], error);
         if (status != SPHV_OK) break;
-        int ascending = i ? mpq_cmp(out->outer[i], out->outer[i - 1]) > 0
-                          : mpq_sgn(out->outer[0]) > 0;
+        int ascending =
+            i ? mpq_cmp(out->outer[i], out->outer[i - 1]) > 0 : mpq_sgn(out->outer[0]) > 0;
         if (!ascending)
             status = sphv_yaml_fail(yaml, place, error,
                                     "pieces overlap: until %s after %s; allowed: ascending ends "
@@ -234,9 +233,9 @@ static sphv_status read_shape(const sphv_yaml *yaml, const struct file_kernel *f
         kernel->support = sphv_rational_number(support);
         kernel->polynomial = file->pieces != NULL;
         if (file->transform && strcmp(file->transform, "fourth-order") != 0)
-            status = sphv_yaml_fail(yaml, "transform", error,
-                                    "unknown transform '%s'; allowed: fourth-order",
-                                    file->transform);
+            status =
+                sphv_yaml_fail(yaml, "transform", error,
+                               "unknown transform '%s'; allowed: fourth-order", file->transform);
         kernel->fourth_order = file->transform != NULL;
     }
     if (status == SPHV_OK && (file->pieces != NULL) == (file->family != NULL))
@@ -250,8 +249,8 @@ static sphv_status read_shape(const sphv_yaml *yaml, const struct file_kernel *f
         status = read_pieces(yaml, "pieces", file->pieces, file->pieces_count, support,
                              &kernel->pieces, error);
     if (status == SPHV_OK && file->pieces && file->derivative)
-        status = read_pieces(yaml, "derivative", file->derivative, file->derivative_count,
-                             support, &kernel->gradient, error);
+        status = read_pieces(yaml, "derivative", file->derivative, file->derivative_count, support,
+                             &kernel->gradient, error);
     if (status == SPHV_OK && file->family) status = read_family(yaml, file, kernel, error);
     mpq_clear(support);
     return status;

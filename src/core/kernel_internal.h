@@ -9,12 +9,12 @@
 struct sphv_kernel {
     char *path, *name, *title, *source;
     sphv_kernel_claims claims;
-    int claimed_value[4];        ///< storage behind the integer pointers of `claims`
-    bool polynomial;             ///< pieces, not a closed form
-    bool fourth_order;           ///< transform: fourth-order
-    sphv_exact_pieces pieces;    ///< w(q) of the file
-    sphv_exact_pieces gradient;  ///< w′(q) of the file, count 0 when it gives none
-    sphv_form form;              ///< closed form, without dimension and scale
+    int claimed_value[4];       ///< storage behind the integer pointers of `claims`
+    bool polynomial;            ///< pieces, not a closed form
+    bool fourth_order;          ///< transform: fourth-order
+    sphv_exact_pieces pieces;   ///< w(q) of the file
+    sphv_exact_pieces gradient; ///< w′(q) of the file, count 0 when it gives none
+    sphv_form form;             ///< closed form, without dimension and scale
     sphv_number support;
     bool declared[SPHV_DIMENSIONS];
     /// Per dimension: normalised exact pieces times π^(d>1), C_d π^(d>1), compiled profiles.

@@ -29,9 +29,9 @@ sphv_status sphv_number_parse(const char *text, sphv_number *out, sphv_error *er
     if (status == SPHV_OK) {
         *out = sphv_rational_number(exact);
         if (!isfinite(out->value) || (out->value == 0 && mpq_sgn(exact) != 0))
-            status = sphv_fail(error, SPHV_INVALID_INPUT,
-                               "'%s' is out of range; allowed: magnitudes from 1e-308 to 1e308",
-                               text);
+            status =
+                sphv_fail(error, SPHV_INVALID_INPUT,
+                          "'%s' is out of range; allowed: magnitudes from 1e-308 to 1e308", text);
     }
     mpq_clear(exact);
     return status;

@@ -54,8 +54,8 @@ sphv_status sphv_rational_parse(const char *text, mpq_t out, sphv_error *error)
     const char *c = text;
     int negative = 0;
     if (strlen(text) > 80)
-        return sphv_fail(error, SPHV_INVALID_INPUT,
-                         "number of %zu characters; allowed: at most 80", strlen(text));
+        return sphv_fail(error, SPHV_INVALID_INPUT, "number of %zu characters; allowed: at most 80",
+                         strlen(text));
     if (*c == '+' || *c == '-') negative = *c++ == '-';
     int good = read_decimal(&c, out);
     if (good && *c == '/') {

@@ -22,13 +22,12 @@ void sphv_rational_power(mpq_t out, const mpq_t base, int exponent);
 
 /// A polynomial with exact coefficients, ascending powers.
 typedef struct sphv_polynomial {
-    int degree;   ///< index of the last stored coefficient, which may be zero
+    int degree; ///< index of the last stored coefficient, which may be zero
     mpq_t *coefficient;
 } sphv_polynomial;
 
 /// Makes the zero polynomial of a storage degree. \return SPHV_RESOURCE_FAILURE without memory
-sphv_status sphv_polynomial_make(sphv_polynomial *p, int degree, sphv_error *error)
-    SPHV_MUST_CHECK;
+sphv_status sphv_polynomial_make(sphv_polynomial *p, int degree, sphv_error *error) SPHV_MUST_CHECK;
 void sphv_polynomial_free(sphv_polynomial *p);
 
 /// Replaces p(q) by p(q + shift), exactly (a Taylor shift by repeated synthetic division).

@@ -19,10 +19,13 @@ sphv_status sphv_fail(sphv_error *error, sphv_status status, const char *format,
 int sphv_exit_status(sphv_status status)
 {
     switch (status) {
-    case SPHV_OK: return 0;
+    case SPHV_OK:
+        return 0;
     case SPHV_INVALID_INPUT:
-    case SPHV_NO_CLOSED_FORM: return 2;
-    case SPHV_RESOURCE_FAILURE: return 3;
+    case SPHV_NO_CLOSED_FORM:
+        return 2;
+    case SPHV_RESOURCE_FAILURE:
+        return 3;
     }
     return 3;
 }

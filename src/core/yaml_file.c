@@ -55,11 +55,10 @@ static sphv_status read_file(sphv_yaml *yaml, sphv_error *error)
     yaml->size = fread(yaml->text, 1, FILE_LIMIT + 1, file);
     int failed = ferror(file);
     fclose(file);
-    if (failed)
-        return sphv_fail(error, SPHV_RESOURCE_FAILURE, "%s: cannot be read", yaml->path);
+    if (failed) return sphv_fail(error, SPHV_RESOURCE_FAILURE, "%s: cannot be read", yaml->path);
     if (yaml->size == 0)
-        return sphv_fail(error, SPHV_INVALID_INPUT, "%s:1: the file is empty; allowed: a YAML mapping",
-                         yaml->path);
+        return sphv_fail(error, SPHV_INVALID_INPUT,
+                         "%s:1: the file is empty; allowed: a YAML mapping", yaml->path);
     if (yaml->size > FILE_LIMIT)
         return sphv_fail(error, SPHV_INVALID_INPUT, "%s:1: the file is too large; allowed: 1 MiB",
                          yaml->path);
@@ -89,11 +88,10 @@ static sphv_status parse_document(sphv_yaml *yaml, sphv_error *error)
             for (size_t i = 0; i < parser.problem_offset && i < yaml->size; i++)
                 line += yaml->text[i] == '\n';
         }
-        status = sphv_fail(error,
-                           parser.error == YAML_MEMORY_ERROR ? SPHV_RESOURCE_FAILURE
-                                                             : SPHV_INVALID_INPUT,
-                           "%s:%zu: not YAML: %s; allowed: UTF-8 YAML", yaml->path, line + 1,
-                           parser.problem ? parser.problem : "unreadable");
+        status = sphv_fail(
+            error, parser.error == YAML_MEMORY_ERROR ? SPHV_RESOURCE_FAILURE : SPHV_INVALID_INPUT,
+            "%s:%zu: not YAML: %s; allowed: UTF-8 YAML", yaml->path, line + 1,
+            parser.problem ? parser.problem : "unreadable");
     }
     yaml_parser_delete(&parser);
     return status;
@@ -159,8 +157,9 @@ static sphv_status check_mapping(sphv_yaml *yaml, const yaml_node_t *node,
                                 ->data.scalar.value,
                             field->key) == 0;
         if (!found)
-            return sphv_fail(error, SPHV_INVALID_INPUT, "%s:%u: '%s' lacks the key '%s'; allowed: %s",
-                             yaml->path, line_of(node), name, field->key, keys);
+            return sphv_fail(error, SPHV_INVALID_INPUT,
+                             "%s:%u: '%s' lacks the key '%s'; allowed: %s", yaml->path,
+                             line_of(node), name, field->key, keys);
     }
     return SPHV_OK;
 }
@@ -176,9 +175,8 @@ static sphv_status check_sequence(sphv_yaml *yaml, const yaml_node_t *node,
                          line_of(node), name, count, schema->sequence.min, schema->sequence.max);
     for (yaml_node_item_t *item = node->data.sequence.items.start;
          item < node->data.sequence.items.top; item++) {
-        sphv_status status =
-            check_node(yaml, yaml_document_get_node(&yaml->document, *item),
-                       schema->sequence.entry, name, depth + 1, error);
+        sphv_status status = check_node(yaml, yaml_document_get_node(&yaml->document, *item),
+                                        schema->sequence.entry, name, depth + 1, error);
         if (status != SPHV_OK) return status;
     }
     return SPHV_OK;
@@ -216,8 +214,7 @@ static sphv_status check_scalar(sphv_yaml *yaml, const yaml_node_t *node,
     } else if (strlen(text) < schema->string.min || strlen(text) > schema->string.max) {
         return sphv_fail(error, SPHV_INVALID_INPUT,
                          "%s:%u: '%s' has %zu characters; allowed: %u to %u", yaml->path,
-                         line_of(node), name, strlen(text), schema->string.min,
-                         schema->string.max);
+                         line_of(node), name, strlen(text), schema->string.min, schema->string.max);
     }
     return SPHV_OK;
 }
@@ -234,9 +231,12 @@ static sphv_status check_node(sphv_yaml *yaml, const yaml_node_t *node,
         return sphv_fail(error, SPHV_INVALID_INPUT, "%s:%u: '%s' is %s; allowed: %s", yaml->path,
                          line_of(node), name, kinds[node->type], kinds[wanted]);
     switch (schema->type) {
-    case CYAML_MAPPING: return check_mapping(yaml, node, schema, name, depth, error);
-    case CYAML_SEQUENCE: return check_sequence(yaml, node, schema, name, depth, error);
-    default: return check_scalar(yaml, node, schema, name, error);
+    case CYAML_MAPPING:
+        return check_mapping(yaml, node, schema, name, depth, error);
+    case CYAML_SEQUENCE:
+        return check_sequence(yaml, node, schema, name, depth, error);
+    default:
+        return check_scalar(yaml, node, schema, name, error);
     }
 }
 
