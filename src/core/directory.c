@@ -7,6 +7,13 @@
 #include <string.h>
 #include <sys/stat.h>
 
+int sphv_plain_name(const char *name)
+{
+    return strspn(name, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.") ==
+               strlen(name) &&
+           name[0] != '.' && name[0] != '-';
+}
+
 static int ends_in(const char *text, const char *suffix)
 {
     size_t length = strlen(text), tail = strlen(suffix);

@@ -25,4 +25,8 @@ sphv_status sphv_file_find(const char *data_directory, const char *folder, const
                            const char *kind, const char *name_or_path, char **path,
                            sphv_error *error) SPHV_MUST_CHECK;
 
+/// Whether a text can be a kernel's or scene's name, and so a part of a file name: letters, digits,
+/// '-', '_' and '.', not beginning with '.' or '-'.
+int sphv_plain_name(const char *name);
+
 #endif

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "directory.h"
 #include "kernel_internal.h"
 #include "yaml_file.h"
 
@@ -95,13 +96,6 @@ static sphv_status read_rational(const sphv_yaml *yaml, const char *place, const
     return sphv_yaml_fail(yaml, place, error, "%s", reason.message);
 }
 
-static bool plain_name(const char *name)
-{
-    return strspn(name, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.") ==
-               strlen(name) &&
-           name[0] != '.' && name[0] != '-';
-}
-
 static sphv_status copy_text(const char *from, char **to, sphv_error *error)
 {
     if (!from) return SPHV_OK;
@@ -112,7 +106,7 @@ static sphv_status copy_text(const char *from, char **to, sphv_error *error)
 static sphv_status read_identity(const sphv_yaml *yaml, const struct file_kernel *file,
                                  sphv_kernel *kernel, sphv_error *error)
 {
-    if (!plain_name(file->name))
+    if (!sphv_plain_name(file->name))
         return sphv_yaml_fail(yaml, "name", error,
                               "'%s' is not a name; allowed: letters, digits, '-', '_' and '.'",
                               file->name);

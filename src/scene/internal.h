@@ -1,0 +1,19 @@
+/// \file internal.h
+/// Shared inside the scene runner only.
+#ifndef SPHVERIFY_SCENE_INTERNAL_H
+#define SPHVERIFY_SCENE_INTERNAL_H
+
+#include "sphverify/scene.h"
+
+/// Measures a claim on both halves and compares both with what it expects.
+sphv_claim_result sphv_claim_judge(const sphv_scene_result *result, const sphv_claim *claim);
+
+/// n when Δs = 2κ/(2n+1) to rounding, else −1.
+long sphv_special_n(const sphv_profile *profile, sphv_number spacing);
+
+/// Evaluates the paper's form beside a measured point and compares the two.
+sphv_status sphv_compare_paper(const sphv_profile *profile, double h, sphv_number spacing,
+                               const sphv_measurement *measured, sphv_prediction *paper,
+                               sphv_verdict *verdict, sphv_error *error) SPHV_MUST_CHECK;
+
+#endif
