@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "constant_text.h"
 #include "directory.h"
 #include "kernel_internal.h"
 #include "yaml_file.h"
@@ -264,16 +265,29 @@ static const int *claim_flag(int *storage, const bool *value)
     return storage;
 }
 
-static sphv_status read_claims(const struct file_kernel *file, sphv_kernel *kernel,
-                               sphv_error *error)
+/// A claimed constant is kept as text; that it can be read is settled here, with its line.
+static sphv_status read_constant(const sphv_yaml *yaml, const char *place, const char *text,
+                                 char **to, sphv_error *error)
+{
+    if (!text) return SPHV_OK;
+    sphv_error reason;
+    long double value;
+    if (sphv_constant_parse(text, &value, &reason) != SPHV_OK)
+        return sphv_yaml_fail(yaml, place, error, "%s", reason.message);
+    return copy_text(text, to, error);
+}
+
+static sphv_status read_claims(const sphv_yaml *yaml, const struct file_kernel *file,
+                               sphv_kernel *kernel, sphv_error *error)
 {
     sphv_status status = SPHV_OK;
     if (file->constants) {
-        status = copy_text(file->constants->one, &kernel->claims.constant[0], error);
+        char **to = kernel->claims.constant;
+        status = read_constant(yaml, "constants.1d", file->constants->one, &to[0], error);
         if (status == SPHV_OK)
-            status = copy_text(file->constants->two, &kernel->claims.constant[1], error);
+            status = read_constant(yaml, "constants.2d", file->constants->two, &to[1], error);
         if (status == SPHV_OK)
-            status = copy_text(file->constants->three, &kernel->claims.constant[2], error);
+            status = read_constant(yaml, "constants.3d", file->constants->three, &to[2], error);
     }
     if (file->claims) {
         int *storage = kernel->claimed_value;
@@ -296,7 +310,7 @@ sphv_status sphv_kernel_load(const char *path, sphv_kernel **out, sphv_error *er
                     : sphv_fail(error, SPHV_RESOURCE_FAILURE, "out of memory");
     if (status == SPHV_OK) status = read_identity(yaml, file, kernel, error);
     if (status == SPHV_OK) status = read_shape(yaml, file, kernel, error);
-    if (status == SPHV_OK) status = read_claims(file, kernel, error);
+    if (status == SPHV_OK) status = read_claims(yaml, file, kernel, error);
     if (status == SPHV_OK) {
         sphv_error reason;
         status = sphv_kernel_compile(kernel, &reason);
