@@ -91,6 +91,11 @@ long random_integer(long from, long to)
     return from + (long)gsl_rng_uniform_int(generator, (unsigned long)(to - from + 1));
 }
 
+bool quick(void)
+{
+    return getenv("SPHVERIFY_TEST_QUICK") != NULL;
+}
+
 const char *data_directory(void)
 {
     const char *directory = getenv("SPHVERIFY_DATA");

@@ -46,6 +46,9 @@ double random_uniform(double from, double to); ///< uniform on [from, to)
 double random_log(double from, double to);     ///< uniform in the logarithm
 long random_integer(long from, long to);       ///< uniform on from … to
 
+/// Whether to take few samples, for slow checkers such as valgrind (SPHVERIFY_TEST_QUICK).
+bool quick(void);
+
 /// The data folder under test (SPHVERIFY_DATA).
 const char *data_directory(void);
 
