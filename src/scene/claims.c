@@ -32,6 +32,15 @@ static double slope(const sphv_scene_result *result, const sphv_claim *claim, bo
     return fitted;
 }
 
+/// The slope of the curve less that of the reference curve.
+static double slope_difference(const sphv_scene_result *result, const sphv_claim *claim,
+                               bool empirical)
+{
+    sphv_claim other = *claim;
+    other.curve = claim->reference;
+    return slope(result, claim, empirical) - slope(result, &other, empirical);
+}
+
 /// Calls `take` for each abscissa at which both curves of a claim have a sample.
 static void for_common(const sphv_scene_result *result, const sphv_claim *claim, bool empirical,
                        void (*take)(double own, double other, double *state), double *state)
@@ -121,6 +130,8 @@ static double paper_agreement(const sphv_scene_result *result, const sphv_claim 
 
 const sphv_claim_measure sphv_claim_measures[] = {
     {"slope", "least-squares slope of log|E| against the logarithm of the abscissa", false, slope},
+    {"slope-difference", "slope of the curve less that of the reference curve", true,
+     slope_difference},
     {"ratio", "geometric mean of |E| over that of the reference curve", true, ratio},
     {"difference", "largest difference from the reference curve", true, difference},
     {"sign-changes", "number of sign changes of E along the curve", false, sign_changes},
