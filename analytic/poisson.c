@@ -21,7 +21,8 @@ static double tail(const sphv_profile *profile, double K, double spacing, int mo
         double jump = fabs(sphv_gradient_jump(knot, K, r, &magnitude));
         double abel = 1 / fabs(sin(M_PI * knot->position.value / spacing));
         if (r > 0) abel = fmin(abel, 1 + (modes + 1.0) / r);
-        bound += 2 * pair * jump * gsl_pow_int(cut, r + 1) * abel;
+        // At a knot on the lattice Abel's factor is infinite; where nothing jumps it is not needed.
+        if (jump > 0) bound += 2 * pair * jump * gsl_pow_int(cut, r + 1) * abel;
         next_jumps += pair * fabs(sphv_gradient_jump(knot, K, r + 1, &magnitude));
     }
     double rest = next_jumps + sphv_gradient_variation(profile, K, r + 2);
