@@ -1,0 +1,47 @@
+/// \file html.h
+/// Parts of the HTML page.
+#ifndef SPHVERIFY_REPORT_HTML_H
+#define SPHVERIFY_REPORT_HTML_H
+
+#include "rendering.h"
+
+/// Style sheet of the page: light and dark, phone and print.
+extern const char sphv_html_style[];
+
+/// A verdict as a word with its colour.
+void sphv_html_verdict(FILE *stream, sphv_verdict verdict);
+
+/// A number, never broken across lines.
+void sphv_html_number(FILE *stream, double value, int digits);
+
+/// A table cell with a number.
+void sphv_html_number_cell(FILE *stream, double value, int digits);
+void sphv_html_verdict_cell(FILE *stream, sphv_verdict verdict);
+/// A table cell with data from outside.
+void sphv_html_text_cell(FILE *stream, const char *text);
+/// The header of a row.
+void sphv_html_row_begin(FILE *stream, const char *text);
+
+/// Counts of agreeing, disagreeing and inconclusive points as three cells.
+void sphv_html_tally_cells(FILE *stream, const size_t counts[3]);
+
+/// A table in a box of its own that scrolls sideways on a narrow screen.
+/// \param caption  shown above the table; markup
+/// \param columns  column headers, ended by NULL; markup
+void sphv_html_table_begin(FILE *stream, const char *caption, const char *const *columns);
+void sphv_html_table_end(FILE *stream);
+
+/// Text from outside, a paragraph per line.
+void sphv_html_paragraphs(FILE *stream, const char *text, const char *css_class);
+
+/// A plot, or the reason why there is none.
+/// \param caption markup
+void sphv_html_figure(FILE *stream, const sphv_rendering *rendering, const char *svg,
+                      const char *caption);
+
+/// The sections.
+void sphv_html_slips(FILE *stream, const sphv_slips *slips);
+void sphv_html_kernel(FILE *stream, const sphv_rendering *rendering, size_t index);
+void sphv_html_scene(FILE *stream, const sphv_rendering *rendering, size_t index);
+
+#endif

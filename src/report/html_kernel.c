@@ -1,0 +1,209 @@
+#include <math.h>
+
+#include "html.h"
+#include "text.h"
+
+static void put_properties(FILE *stream, const sphv_kernel_facts *facts)
+{
+    const sphv_profile *profile = facts->dimension[0].profile;
+    fputs("<dl><dt>Source<dd>", stream);
+    const char *source = sphv_kernel_source(facts->kernel);
+    sphv_put_html(stream, *source ? source : "none named in the file");
+    fputs("<dt>Support κ<dd>", stream);
+    sphv_html_number(stream, facts->profile->support, 10);
+    fprintf(stream, "<dt>Boundary smoothness β<dd>%d found", facts->profile->boundary_smoothness);
+    if (facts->claimed_smoothness) {
+        fprintf(stream, ", %d claimed: ", *facts->claimed_smoothness);
+        sphv_html_verdict(stream, facts->smoothness_verdict);
+    }
+    if (facts->profile->boundary_smoothness < 0)
+        fputs(" (truncated: the value itself jumps at the edge)", stream);
+    if (profile) {
+        fprintf(stream, "<dt>Order in Δx/h<dd>%d at Δx/h = 2κ/(2n+1), decided by the knot s = ",
+                facts->special_order);
+        sphv_html_number(stream, profile->knots[facts->special_knot].position.value, 6);
+        fprintf(stream, "; %d elsewhere, by s = ", facts->general_order);
+        sphv_html_number(stream, profile->knots[facts->general_knot].position.value, 6);
+        if (facts->special_order < facts->edge_order)
+            fprintf(stream, "; the edge alone would give %d, interior knots lower it",
+                    facts->edge_order);
+    }
+    for (int d = 1; d <= SPHV_DIMENSIONS; d++)
+        if (!facts->dimension[d - 1].profile) {
+            fprintf(stream, "<dt>%dD refused<dd>", d);
+            sphv_put_html(stream, sphv_kernel_refusal(facts->kernel, d));
+        }
+    fputs("</dl>\n", stream);
+}
+
+static void put_exact(FILE *stream, const char *exact, sphv_result value)
+{
+    fputs("<td>", stream);
+    if (*exact) {
+        fputs("<code>", stream);
+        sphv_put_html(stream, exact);
+        fputs("</code> = ", stream);
+    }
+    sphv_html_number(stream, value.value, 10);
+    if (!*exact && value.bound > 0) {
+        fputs(" ± ", stream);
+        sphv_html_number(stream, value.bound, 2);
+    }
+}
+
+static void put_dimensions(FILE *stream, const sphv_kernel_facts *facts)
+{
+    static const char *const columns[] = {
+        "Dim.",          "Constant C, recomputed", "File’s claim",      "Verdict",
+        "μ<sub>2</sub>", "μ<sub>4</sub>",          "Fourier transform", NULL};
+    sphv_html_table_begin(stream, "Constants and moments", columns);
+    for (int d = 1; d <= SPHV_DIMENSIONS; d++) {
+        const sphv_dimension_facts *of = &facts->dimension[d - 1];
+        if (!of->profile) continue;
+        fprintf(stream, "<tr><th scope=row>%dD", d);
+        put_exact(stream, of->constant, of->profile->constant);
+        fputs("<td>", stream);
+        if (of->claim) {
+            fputs("<code>", stream);
+            sphv_put_html(stream, of->claim);
+            fputs("</code>", stream);
+            sphv_html_verdict_cell(stream, of->claim_verdict);
+        } else {
+            fputs("none<td>", stream);
+        }
+        put_exact(stream, of->moment[1], of->profile->moment[2]);
+        put_exact(stream, of->moment[2], of->profile->moment[4]);
+        fputs("<td>", stream);
+        if (of->fourier.negative) {
+            fputs("first negative at Ωh = ", stream);
+            sphv_html_number(stream, of->fourier.first_negative, 5);
+            fputs(", least ", stream);
+            sphv_html_number(stream, of->fourier.minimum, 3);
+            fputs(" at ", stream);
+            sphv_html_number(stream, of->fourier.minimum_at, 4);
+        } else {
+            fputs("not negative up to Ωh = ", stream);
+            sphv_html_number(stream, of->fourier.searched, 4);
+        }
+        fputc('\n', stream);
+    }
+    sphv_html_table_end(stream);
+}
+
+static void put_knots(FILE *stream, const sphv_profile *profile)
+{
+    static const char *const columns[] = {"Knot s", "Lowest derivative that jumps, c",
+                                          "Jump of Ŵ<sup>(c)</sup>", NULL};
+    sphv_html_table_begin(stream, "Knots", columns);
+    for (int i = 0; i < profile->knot_count; i++) {
+        const sphv_knot *knot = &profile->knots[i];
+        fprintf(stream, "<tr><th scope=row>%s", knot->position.value > 0 ? "±" : "");
+        sphv_html_number(stream, knot->position.value, 10);
+        fprintf(stream, "<td>%d", knot->order);
+        sphv_html_number_cell(stream, knot->jump[knot->order] * tgamma(knot->order + 1.0), 8);
+        fputc('\n', stream);
+    }
+    sphv_html_table_end(stream);
+}
+
+static void put_grid(FILE *stream, const sphv_agreement *agreement, bool paper)
+{
+    static const char *const cells[] = {"<td class=a>✓", "<td class=d>✗", "<td class=i>?"};
+    const size_t *counts = paper ? agreement->paper : agreement->exact;
+    fprintf(stream,
+            "<div class=scroll tabindex=0><table class=grid><caption>%s: ✓ agrees (%zu), "
+            "✗ disagrees (%zu), ? inconclusive (%zu)</caption><thead><tr><th scope=col>h/λ \\ n",
+            paper ? "Paper’s form" : "Exact form", counts[SPHV_AGREES], counts[SPHV_DISAGREES],
+            counts[SPHV_INCONCLUSIVE]);
+    for (size_t n = 0; n < agreement->n_count; n++)
+        fprintf(stream, "<th scope=col>%d", agreement->cells[n].n);
+    fputs("</thead>\n<tbody>\n", stream);
+    for (size_t h = 0; h < agreement->h_count; h++) {
+        const sphv_agreement_cell *row = &agreement->cells[h * agreement->n_count];
+        fprintf(stream, "<tr><th scope=row>%g", row->h);
+        for (size_t n = 0; n < agreement->n_count; n++)
+            fputs(cells[paper ? row[n].paper_verdict : row[n].exact.verdict], stream);
+        fputc('\n', stream);
+    }
+    sphv_html_table_end(stream);
+}
+
+static void put_numbers(FILE *stream, const sphv_agreement *agreement)
+{
+    static const char *const columns[] = {"h/λ",
+                                          "n",
+                                          "smoothing E<sub>s</sub>",
+                                          "discretisation E<sub>d</sub>",
+                                          "total E",
+                                          "bound",
+                                          "measured E",
+                                          "bound",
+                                          "difference",
+                                          "verdict",
+                                          "paper’s E",
+                                          "bound",
+                                          "verdict",
+                                          NULL};
+    fputs("<details><summary>All numbers of these grids</summary>\n", stream);
+    sphv_html_table_begin(
+        stream, "Exact form, measurement, and the paper’s form at Δx/h = 2κ/(2n+1)", columns);
+    for (size_t i = 0; i < agreement->h_count * agreement->n_count; i++) {
+        const sphv_agreement_cell *cell = &agreement->cells[i];
+        const sphv_prediction *exact = &cell->exact.analytic;
+        fprintf(stream, "<tr><th scope=row>%g<td>%d", cell->h, cell->n);
+        sphv_html_number_cell(stream, exact->smoothing.value, 7);
+        sphv_html_number_cell(stream, exact->discretisation.value, 7);
+        sphv_html_number_cell(stream, exact->total.value, 7);
+        sphv_html_number_cell(stream, exact->total.bound, 2);
+        sphv_html_number_cell(stream, cell->exact.empirical.total.value, 7);
+        sphv_html_number_cell(stream, cell->exact.empirical.total.bound, 2);
+        sphv_html_number_cell(stream, cell->exact.difference, 2);
+        fprintf(stream, "<td>%s", sphv_verdict_name(cell->exact.verdict));
+        sphv_html_number_cell(stream, cell->paper.total.value, 7);
+        sphv_html_number_cell(stream, cell->paper.total.bound, 2);
+        fprintf(stream, "<td>%s\n", sphv_verdict_name(cell->paper_verdict));
+    }
+    sphv_html_table_end(stream);
+    fputs("</details>\n", stream);
+}
+
+static void put_agreement(FILE *stream, const sphv_kernel_facts *facts)
+{
+    fputs("<h4>Agreement over h/λ and n, Δx/h = 2κ/(2n+1), one dimension</h4>\n", stream);
+    if (!facts->agreement) {
+        fputs("<p>The kernel is not legal in one dimension.</p>\n", stream);
+        return;
+    }
+    put_grid(stream, facts->agreement, false);
+    put_grid(stream, facts->agreement, true);
+    if (facts->agreement->paper[SPHV_DISAGREES] && facts->special_order < facts->edge_order)
+        fprintf(stream,
+                "<p>The paper’s form counts only the edge and predicts order %d; the knots inside "
+                "the support lower it to %d, and so it fails here.</p>\n",
+                facts->edge_order, facts->special_order);
+    else if (facts->agreement->paper[SPHV_DISAGREES])
+        fputs("<p>Where the paper’s form disagrees, the terms it leaves out are larger than its "
+              "first neglected ones suggest: its series are cut after two terms each.</p>\n",
+              stream);
+    put_numbers(stream, facts->agreement);
+}
+
+void sphv_html_kernel(FILE *stream, const sphv_rendering *rendering, size_t index)
+{
+    const sphv_kernel_facts *facts = &rendering->facts[index];
+    fprintf(stream, "<article id=\"kernel-%zu\"><h3>", index);
+    sphv_put_html(stream, sphv_kernel_title(facts->kernel));
+    fputs(" (<code>", stream);
+    sphv_put_html(stream, sphv_kernel_name(facts->kernel));
+    fputs("</code>)</h3>\n<p>Verdict: ", stream);
+    sphv_html_verdict(stream, facts->verdict);
+    fputs("</p>\n", stream);
+    put_properties(stream, facts);
+    put_dimensions(stream, facts);
+    put_knots(stream, facts->profile);
+    sphv_html_figure(stream, rendering, rendering->kernel_plots[index],
+                     "The kernel with its derivatives, and its Fourier transform relative to its "
+                     "integral, linear and logarithmic; where it is negative, particles can pair.");
+    put_agreement(stream, facts);
+    fputs("</article>\n", stream);
+}

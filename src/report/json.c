@@ -1,0 +1,236 @@
+#include <jansson.h>
+#include <math.h>
+
+#include "rendering.h"
+#include "scene_json.h"
+
+static json_t *number(double value)
+{
+    return isfinite(value) ? json_real(value) : json_null();
+}
+
+static json_t *text_or_null(const char *text)
+{
+    return text && *text ? json_string(text) : json_null();
+}
+
+static json_t *result_json(sphv_result result)
+{
+    return json_pack("{s:o, s:o}", "value", number(result.value), "bound", number(result.bound));
+}
+
+static json_t *tally_json(const size_t counts[3])
+{
+    json_t *object = json_object();
+    for (int i = SPHV_AGREES; i <= SPHV_INCONCLUSIVE; i++)
+        json_object_set_new(object, sphv_verdict_name((sphv_verdict)i),
+                            json_integer((json_int_t)counts[i]));
+    return object;
+}
+
+static json_t *prediction_json(const sphv_prediction *prediction)
+{
+    return json_pack(
+        "{s:o, s:o, s:o, s:o, s:o, s:s}", "smoothing", number(prediction->smoothing.value),
+        "discretisation", number(prediction->discretisation.value), "total",
+        number(prediction->total.value), "l2", number(prediction->l2.value), "bound",
+        number(prediction->total.bound), "rigour", sphv_rigour_name(prediction->rigour));
+}
+
+static json_t *cell_json(const sphv_agreement_cell *cell)
+{
+    const sphv_measurement *empirical = &cell->exact.empirical;
+    return json_pack(
+        "{s:o, s:i, s:o, s:{s:o, s:o, s:o, s:I}, s:o, s:s, s:o, s:s}", "h", number(cell->h), "n",
+        cell->n, "analytic", prediction_json(&cell->exact.analytic), "empirical", "total",
+        number(empirical->total.value), "l2", number(empirical->l2.value), "bound",
+        number(empirical->total.bound), "neighbours", (json_int_t)empirical->neighbours,
+        "difference", number(cell->exact.difference), "verdict",
+        sphv_verdict_name(cell->exact.verdict), "paper", prediction_json(&cell->paper),
+        "paper_verdict", sphv_verdict_name(cell->paper_verdict));
+}
+
+static json_t *agreement_json(const sphv_agreement *agreement)
+{
+    json_t *cells = json_array();
+    for (size_t i = 0; i < agreement->h_count * agreement->n_count; i++)
+        json_array_append_new(cells, cell_json(&agreement->cells[i]));
+    return json_pack("{s:o, s:o, s:o}", "exact", tally_json(agreement->exact), "paper",
+                     tally_json(agreement->paper), "cells", cells);
+}
+
+static json_t *fourier_json(const sphv_fourier_sign *sign)
+{
+    return json_pack("{s:b, s:o, s:o, s:o, s:o}", "negative", sign->negative, "first_negative",
+                     sign->negative ? number(sign->first_negative) : json_null(), "minimum",
+                     number(sign->minimum), "minimum_at", number(sign->minimum_at), "searched",
+                     number(sign->searched));
+}
+
+static json_t *dimension_json(const sphv_dimension_facts *facts)
+{
+    json_t *moments = json_array();
+    for (int i = 0; i < SPHV_FACT_MOMENTS; i++)
+        json_array_append_new(moments,
+                              json_pack("{s:i, s:o, s:o, s:o}", "order", 2 * i, "value",
+                                        number(facts->profile->moment[2 * i].value), "bound",
+                                        number(facts->profile->moment[2 * i].bound), "exact",
+                                        text_or_null(facts->moment[i])));
+    json_t *constant = result_json(facts->profile->constant);
+    json_object_set_new(constant, "exact", text_or_null(facts->constant));
+    json_object_set_new(constant, "claim", text_or_null(facts->claim));
+    if (facts->claim) {
+        json_object_set_new(constant, "claimed", number(facts->claimed));
+        json_object_set_new(constant, "verdict",
+                            json_string(sphv_verdict_name(facts->claim_verdict)));
+    }
+    return json_pack("{s:i, s:o, s:o, s:o, s:o}", "dim", facts->profile->dimension, "constant",
+                     constant, "integral_minus_one", number(facts->profile->excess), "moments",
+                     moments, "fourier", fourier_json(&facts->fourier));
+}
+
+static json_t *knots_json(const sphv_profile *profile)
+{
+    json_t *knots = json_array();
+    for (int i = 0; i < profile->knot_count; i++) {
+        const sphv_knot *knot = &profile->knots[i];
+        json_array_append_new(
+            knots, json_pack("{s:o, s:i, s:o}", "position", number(knot->position.value), "order",
+                             knot->order, "jump",
+                             number(knot->jump[knot->order] * tgamma(knot->order + 1.0))));
+    }
+    return knots;
+}
+
+static json_t *order_json(const sphv_kernel_facts *facts)
+{
+    const sphv_profile *profile = facts->dimension[0].profile;
+    if (!profile) return json_null();
+    return json_pack("{s:i, s:o, s:i, s:o, s:i}", "special_spacing", facts->special_order,
+                     "special_knot", number(profile->knots[facts->special_knot].position.value),
+                     "any_spacing", facts->general_order, "any_knot",
+                     number(profile->knots[facts->general_knot].position.value), "edge_alone",
+                     facts->edge_order);
+}
+
+static json_t *kernel_json(const sphv_kernel_facts *facts)
+{
+    json_t *dimensions = json_array(), *refused = json_object();
+    for (int d = 1; d <= SPHV_DIMENSIONS; d++) {
+        char name[2] = {(char)('0' + d), '\0'};
+        if (facts->dimension[d - 1].profile)
+            json_array_append_new(dimensions, dimension_json(&facts->dimension[d - 1]));
+        else
+            json_object_set_new(refused, name, json_string(sphv_kernel_refusal(facts->kernel, d)));
+    }
+    json_t *object = json_pack(
+        "{s:s, s:s, s:s, s:s, s:o, s:{s:i, s:o}, s:o, s:o, s:o, s:o}", "kernel",
+        sphv_kernel_name(facts->kernel), "title", sphv_kernel_title(facts->kernel), "source",
+        sphv_kernel_source(facts->kernel), "verdict", sphv_verdict_name(facts->verdict), "support",
+        number(facts->profile->support), "beta", "found", facts->profile->boundary_smoothness,
+        "claimed",
+        facts->claimed_smoothness ? json_integer(*facts->claimed_smoothness) : json_null(),
+        "dimensions", dimensions, "refused", refused, "knots", knots_json(facts->profile),
+        "discretisation_order", order_json(facts));
+    json_object_set_new(object, "agreement",
+                        facts->agreement ? agreement_json(facts->agreement) : json_null());
+    return object;
+}
+
+static json_t *sample_json(const sphv_scene *scene, const sphv_sample *sample)
+{
+    const sphv_point *point = &sample->point;
+    if (scene->abscissa == SPHV_OVER_Q)
+        return json_pack("{s:o, s:o, s:o, s:s}", "q", number(sample->x), "analytic",
+                         result_json(point->analytic.total), "empirical",
+                         result_json(point->empirical.total), "verdict",
+                         sphv_verdict_name(point->verdict));
+    json_t *object = json_pack(
+        "{s:o, s:o, s:o, s:o, s:{s:o, s:o, s:o}, s:o, s:s}", "h", number(sample->h), "spacing",
+        number(sample->spacing.value), "n", sample->n >= 0 ? json_integer(sample->n) : json_null(),
+        "analytic", prediction_json(&point->analytic), "empirical", "total",
+        number(point->empirical.total.value), "l2", number(point->empirical.l2.value), "bound",
+        number(point->empirical.total.bound), "difference", number(point->difference), "verdict",
+        sphv_verdict_name(point->verdict));
+    if (sample->n >= 0) {
+        json_object_set_new(object, "paper", prediction_json(&sample->paper));
+        json_object_set_new(object, "paper_verdict",
+                            json_string(sphv_verdict_name(sample->paper_verdict)));
+    }
+    return object;
+}
+
+static json_t *scene_with_curves(const sphv_scene_result *result)
+{
+    const sphv_scene *scene = result->scene;
+    json_t *object = sphv_scene_json(result), *curves = json_array();
+    for (size_t c = 0; c < scene->curve_count; c++) {
+        json_t *samples = json_array();
+        for (size_t i = 0; i < result->sample_count[c]; i++)
+            json_array_append_new(samples, sample_json(scene, &result->samples[c][i]));
+        json_array_append_new(curves, json_pack("{s:s, s:s, s:s, s:o}", "id", scene->curves[c].id,
+                                                "label", scene->curves[c].label, "kernel",
+                                                sphv_kernel_name(scene->curves[c].kernel),
+                                                "samples", samples));
+    }
+    json_object_set_new(object, "curves", curves);
+    return object;
+}
+
+static json_t *sign_slips_json(const sphv_slips *slips)
+{
+    json_t *rows = json_array();
+    for (int i = 0; slips->sign_kernel && i < SPHV_SIGN_ROWS; i++) {
+        const sphv_sign_slip *row = &slips->sign[i];
+        json_array_append_new(rows, json_pack("{s:s, s:i, s:o, s:o, s:o, s:s, s:o, s:s, s:o}",
+                                              "kernel", sphv_kernel_name(slips->sign_kernel), "n",
+                                              row->n, "spacing", number(row->spacing), "measured",
+                                              result_json(row->measured), "mended",
+                                              result_json(row->mended), "mended_verdict",
+                                              sphv_verdict_name(row->mended_verdict), "printed",
+                                              result_json(row->printed), "printed_verdict",
+                                              sphv_verdict_name(row->printed_verdict), "first_term",
+                                              number(row->first_term)));
+    }
+    return rows;
+}
+
+static json_t *knot_slip_json(const sphv_slips *slips)
+{
+    const sphv_knot_slip *slip = &slips->knot;
+    if (!slips->knot_kernel) return json_null();
+    json_t *terms = json_array();
+    for (int k = 0; k < slip->knot_count; k++)
+        for (int i = 0; i < SPHV_KNOT_TERMS; i++)
+            json_array_append_new(
+                terms, json_pack("{s:o, s:i, s:o}", "knot", number(slip->position[k]), "p",
+                                 slip->first_order + i, "value", number(slip->term[k][i])));
+    return json_pack("{s:s, s:o, s:o, s:o, s:o, s:o, s:s, s:o, s:s, s:i, s:i, s:o}", "kernel",
+                     sphv_kernel_name(slips->knot_kernel), "h", number(slip->h), "spacing",
+                     number(slip->spacing), "terms", terms, "measured", result_json(slip->measured),
+                     "exact", result_json(slip->exact), "exact_verdict",
+                     sphv_verdict_name(slip->exact_verdict), "paper", result_json(slip->paper),
+                     "paper_verdict", sphv_verdict_name(slip->paper_verdict), "predicted_order",
+                     slip->predicted_order, "paper_order", slip->paper_order, "fitted_order",
+                     result_json(slip->fitted_order));
+}
+
+bool sphv_render_json(FILE *stream, const sphv_rendering *rendering)
+{
+    const sphv_report *report = rendering->report;
+    json_t *kernels = json_array(), *scenes = json_array();
+    for (size_t i = 0; i < report->kernel_count; i++)
+        json_array_append_new(kernels, kernel_json(&rendering->facts[i]));
+    for (size_t i = 0; i < report->scene_count; i++)
+        json_array_append_new(scenes, scene_with_curves(report->scenes[i]));
+    json_t *root = json_pack(
+        "{s:s, s:o, s:{s:o, s:o}, s:o, s:o}", "verdict", sphv_verdict_name(report->verdict),
+        "seconds", number(report->seconds), "slips", "sign", sign_slips_json(&rendering->slips),
+        "interior_knots", knot_slip_json(&rendering->slips), "kernels", kernels, "scenes", scenes);
+    // A failure to write shows in the stream; only memory is reported here.
+    if (root) (void)json_dumpf(root, stream, JSON_COMPACT | JSON_REAL_PRECISION(17));
+    fputc('\n', stream);
+    bool whole = root != NULL;
+    json_decref(root);
+    return whole;
+}
