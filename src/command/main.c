@@ -7,7 +7,8 @@
 #include "command.h"
 
 const sphv_command *const sphv_commands[] = {&sphv_command_kernels, &sphv_command_kernel,
-                                             &sphv_command_error, NULL};
+                                             &sphv_command_error, &sphv_command_run,
+                                             &sphv_command_report, NULL};
 
 static void print_usage(FILE *stream)
 {
