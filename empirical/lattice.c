@@ -47,8 +47,10 @@ sphv_status sphv_measure_lattice(const sphv_profile *profile, double h, sphv_num
     sphv_sum sum = {0, 0, 0};
     for (long j = inside; j >= 1; j--) {
         double q = neighbour_offset(profile, spacing, j), field = sin(K * q) / K;
-        sphv_result slope = sphv_profile_derivative(profile, 1, q);
-        double bend = sphv_profile_derivative(profile, 2, q).value;
+        sphv_result kernel[3];
+        sphv_profile_values(profile, q, kernel);
+        sphv_result slope = kernel[1];
+        double bend = kernel[2].value;
         double weight = 2 * spacing.value;
         // sin: argument known to 3u; q: to u, which moves the slope by |Ŵ″| q u.
         double uncertainty = fabs(field) * (slope.bound + fabs(bend) * q * SPHV_U) +
@@ -89,8 +91,10 @@ static void measure_particle(const sphv_profile *profile, double h, sphv_number 
         double q = neighbour_offset(profile, spacing, j), right, left, unused;
         phase((double)(a + j), step, &right, &unused);
         phase((double)(a - j), step, &left, &unused);
-        sphv_result slope = sphv_profile_derivative(profile, 1, q);
-        double bend = sphv_profile_derivative(profile, 2, q).value;
+        sphv_result kernel[3];
+        sphv_profile_values(profile, q, kernel);
+        sphv_result slope = kernel[1];
+        double bend = kernel[2].value;
         double weight = spacing.value / (2 * M_PI * h);
         uncertainty =
             weight * (slope.bound + fabs(bend) * q * SPHV_U + 8 * SPHV_U * fabs(slope.value));

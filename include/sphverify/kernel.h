@@ -49,12 +49,16 @@ typedef struct sphv_knot {
     const double *jump; ///< jump[i] = [Ŵ^(i)(position−) − Ŵ^(i)(position+)]/i!, 0 for i < order
 } sphv_knot;
 
-/// One smooth piece of Ŵ, on inner ≤ q < outer.
+/// One smooth piece of Ŵ, on inner ≤ q < outer. A polynomial piece is kept as Taylor expansions
+/// about several centres, from its inner to its outer end, and evaluated about the one that serves.
 typedef struct sphv_piece {
     double inner, outer;
     int degree;                ///< of a polynomial piece; −1 for a closed form
-    const double *about_inner; ///< Taylor coefficients about `inner`, degree + 1 of them
-    const double *about_outer; ///< Taylor coefficients about `outer`
+    int centres;               ///< number of expansions
+    double per_length;         ///< expansions per unit of q
+    const sphv_number *centre; ///< about which each is made; the ends exactly
+    const double *taylor;      ///< degree + 1 coefficients for each centre, ascending powers
+    const int *serving;        ///< [k]: the expansion used where the k-th centre is nearest
     double *derivative_bound;  ///< [n] ≥ sup |Ŵ^(n)|/n! on the piece, n = 0 … SPHV_JET_MAX
 } sphv_piece;
 
@@ -132,6 +136,10 @@ bool sphv_kernel_exact_value(const sphv_kernel *kernel, int dimension, int deriv
 /// Ŵ^(derivative)(q), derivative 0, 1, 2 …, with a running rounding bound; 0 for q ≥ κ. At a knot
 /// the outer piece is taken. \pre q >= 0, 0 <= derivative <= SPHV_JET_MAX
 sphv_result sphv_profile_derivative(const sphv_profile *profile, int derivative, double q);
+
+/// Ŵ, Ŵ′ and Ŵ″ at q in one go, each with a running rounding bound; zeros for q ≥ κ. At a knot the
+/// outer piece is taken. \pre q >= 0
+void sphv_profile_values(const sphv_profile *profile, double q, sphv_result out[3]);
 
 /// Taylor coefficients Ŵ^(i)(q)/i!, i = 0 … order, of one piece about q, which may be its ends.
 /// \param jet receives order + 1 numbers. \pre order <= SPHV_JET_MAX

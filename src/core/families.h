@@ -5,6 +5,8 @@
 
 #include <stdbool.h>
 
+#include "sphverify/status.h"
+
 struct sphv_family;
 
 /// A closed form with its parameters: w(q) on 0 ≤ q < support, times `scale`, and times
@@ -12,10 +14,13 @@ struct sphv_family;
 typedef struct sphv_form {
     const struct sphv_family *family;
     int dimension;
-    int exponent;     ///< m of sinc^m
+    int exponent; ///< m of sinc^m
     double support;
-    double scale;     ///< normalisation constant once it is known, 1 before
-    double transform; ///< a of w(q)(1 − a q²); 0 without a transform
+    double scale;           ///< normalisation constant once it is known, 1 before
+    double scale_error;     ///< relative error of `scale`
+    double support_error;   ///< |κ − support|, not 0 where κ is not a double
+    double transform;       ///< a of w(q)(1 − a q²); 0 without a transform
+    double transform_error; ///< relative error of `transform`
 } sphv_form;
 
 /// One family.
@@ -27,6 +32,8 @@ typedef struct sphv_family {
     bool truncated;
     /// Jets carry relative accuracy, so a tiny value at κ is a value, not rounding.
     bool relative_accuracy;
+    /// w, w′ and w″ at q (without scale and transform) with rounding bounds.
+    void (*values)(const sphv_form *form, double q, sphv_result out[3]);
     /// Taylor coefficients of w (without scale and transform) about q.
     void (*jet)(const sphv_form *form, double q, int order, double *jet);
     /// A bound of sup |w^(n)|/n! over the support.
@@ -37,6 +44,9 @@ typedef struct sphv_family {
 extern const sphv_family sphv_families[];
 
 const sphv_family *sphv_family_find(const char *name);
+
+/// Value, first and second derivative of scale · w(q)(1 − transform·q²), with rounding bounds.
+void sphv_form_values(const sphv_form *form, double q, sphv_result out[3]);
 
 /// Taylor coefficients of scale · w(q)(1 − transform·q²).
 void sphv_form_jet(const sphv_form *form, double q, int order, double *jet);

@@ -5,15 +5,16 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "expansion.h"
+
 static const double unit_roundoff = DBL_EPSILON / 2;
+
+/// Expansions per degree over a whole support; more of them lower the bounds and cost memory.
+static const double centres_per_degree = 1;
 
 void sphv_profile_free(sphv_profile *profile)
 {
-    for (int i = 0; i < profile->piece_count; i++) {
-        free((double *)profile->pieces[i].about_inner);
-        free((double *)profile->pieces[i].about_outer);
-        free(profile->pieces[i].derivative_bound);
-    }
+    for (int i = 0; i < profile->piece_count; i++) sphv_piece_free(&profile->pieces[i]);
     for (int i = 0; i < profile->knot_count; i++) free((double *)profile->knots[i].jump);
     free(profile->pieces);
     free(profile->knots);
@@ -36,26 +37,29 @@ static double falling_factorial(int i, int derivative)
     return product;
 }
 
-static sphv_result polynomial_derivative(const sphv_piece *piece, int derivative, double q)
+void sphv_profile_values(const sphv_profile *profile, double q, sphv_result out[3])
 {
-    int from_inner = q - piece->inner < piece->outer - q;
-    const double *c = from_inner ? piece->about_inner : piece->about_outer;
-    double t = q - (from_inner ? piece->inner : piece->outer);
-    double sum = 0, magnitude = 0;
-    for (int i = piece->degree; i >= derivative; i--) {
-        double factor = c[i] * falling_factorial(i, derivative);
-        sum = sum * t + factor;
-        magnitude = magnitude * fabs(t) + fabs(factor);
+    if (!(q < profile->support)) {
+        for (int n = 0; n < 3; n++) out[n] = (sphv_result){0, 0};
+        return;
     }
-    // Horner's error is below 2(degree + 1)u Σ|c_i||t|^i; coefficients and t carry one u each.
-    return (sphv_result){sum, (3 * piece->degree + 6) * unit_roundoff * magnitude};
+    const sphv_piece *piece = &profile->pieces[piece_of(profile, q)];
+    if (piece->degree >= 0)
+        sphv_piece_values(piece, q, out);
+    else
+        sphv_form_values(profile->form, q, out);
 }
 
 sphv_result sphv_profile_derivative(const sphv_profile *profile, int derivative, double q)
 {
     if (!(q < profile->support)) return (sphv_result){0, 0};
     const sphv_piece *piece = &profile->pieces[piece_of(profile, q)];
-    if (piece->degree >= 0) return polynomial_derivative(piece, derivative, q);
+    if (piece->degree >= 0) return sphv_piece_derivative(piece, derivative, q);
+    if (derivative < 3) {
+        sphv_result values[3];
+        sphv_form_values(profile->form, q, values);
+        return values[derivative];
+    }
     double jet[SPHV_JET_MAX + 1];
     sphv_form_jet(profile->form, q, derivative, jet);
     double factorial = falling_factorial(derivative, derivative);
@@ -73,7 +77,7 @@ void sphv_profile_jet(const sphv_profile *profile, int piece_index, double q, in
     }
     double factorial = 1;
     for (int n = 0; n <= order; n++) {
-        jet[n] = polynomial_derivative(piece, n, q).value / factorial;
+        jet[n] = sphv_piece_derivative(piece, n, q).value / factorial;
         factorial *= n + 1;
     }
 }
@@ -93,22 +97,6 @@ sphv_number sphv_profile_special_spacing(const sphv_profile *profile, int n)
     return number;
 }
 
-/// sup |Ŵ^(n)|/n! of a polynomial piece: the smaller of two Taylor majorants.
-static void bound_polynomial(sphv_piece *piece)
-{
-    double length = piece->outer - piece->inner;
-    for (int n = 0; n <= SPHV_JET_MAX; n++) {
-        double inner = 0, outer = 0, power = 1, binomial = 1;
-        for (int i = n; i <= piece->degree; i++) {
-            inner += binomial * power * fabs(piece->about_inner[i]);
-            outer += binomial * power * fabs(piece->about_outer[i]);
-            power *= length;
-            binomial *= (i + 1.0) / (i + 1 - n);
-        }
-        piece->derivative_bound[n] = fmin(inner, outer) * (1 + 1e-12);
-    }
-}
-
 static sphv_status allocate(sphv_profile *profile, int pieces, int knots, sphv_error *error)
 {
     profile->pieces = calloc((size_t)pieces, sizeof *profile->pieces);
@@ -118,36 +106,35 @@ static sphv_status allocate(sphv_profile *profile, int pieces, int knots, sphv_e
     return SPHV_OK;
 }
 
-/// Rounds a polynomial's coefficients, divided by `divisor`.
-static double *round_polynomial(const sphv_polynomial *p, double divisor)
+/// Enough expansions that the terms beyond the first few of each are small over its cell.
+static int centres_of(const sphv_profile *profile, int index, int degree)
 {
-    double *c = malloc((size_t)(p->degree + 1) * sizeof *c);
-    if (!c) return NULL;
-    for (int i = 0; i <= p->degree; i++) c[i] = sphv_rational_round(p->coefficient[i]) / divisor;
-    return c;
+    const sphv_piece *piece = &profile->pieces[index];
+    return 2 + (int)ceil(centres_per_degree * degree * (piece->outer - piece->inner) /
+                         profile->support);
 }
 
 static sphv_status compile_piece(sphv_profile *profile, int index, const sphv_exact_pieces *exact,
-                                 sphv_polynomial *inner, sphv_polynomial *outer, double pi,
-                                 sphv_error *error)
+                                 const sphv_polynomial *inner, const sphv_polynomial *outer,
+                                 bool over_pi, sphv_error *error)
 {
+    mpq_t zero;
+    mpq_init(zero);
     sphv_piece *piece = &profile->pieces[index];
-    piece->degree = exact->polynomial[index].degree;
-    piece->inner = index ? sphv_rational_round(exact->outer[index - 1]) : 0;
-    piece->outer = sphv_rational_round(exact->outer[index]);
-    piece->about_inner = round_polynomial(inner, pi);
-    piece->about_outer = round_polynomial(outer, pi);
-    piece->derivative_bound = calloc(SPHV_JET_MAX + 1, sizeof *piece->derivative_bound);
-    if (!piece->about_inner || !piece->about_outer || !piece->derivative_bound)
-        return sphv_fail(error, SPHV_RESOURCE_FAILURE, "out of memory");
-    bound_polynomial(piece);
-    return SPHV_OK;
+    sphv_exact_piece whole = {index ? exact->outer[index - 1] : zero, exact->outer[index],
+                              &exact->polynomial[index], inner, outer};
+    piece->inner = sphv_rational_round(whole.inner);
+    piece->outer = sphv_rational_round(whole.outer);
+    sphv_status status = sphv_piece_expand(
+        piece, &whole, over_pi, centres_of(profile, index, whole.polynomial->degree), error);
+    mpq_clear(zero);
+    return status;
 }
 
 /// Adds the knot whose jump is before − after (either may be NULL), unless nothing jumps there.
 static sphv_status add_knot(sphv_profile *profile, const mpq_t position,
-                            const sphv_polynomial *before, const sphv_polynomial *after, double pi,
-                            sphv_error *error)
+                            const sphv_polynomial *before, const sphv_polynomial *after,
+                            bool over_pi, sphv_error *error)
 {
     int degree = before ? before->degree : 0;
     if (after && after->degree > degree) degree = after->degree;
@@ -163,7 +150,10 @@ static sphv_status add_knot(sphv_profile *profile, const mpq_t position,
     }
     if (order >= 0) {
         sphv_knot *knot = &profile->knots[profile->knot_count];
-        knot->jump = round_polynomial(&jump, pi);
+        double *rounded = malloc((size_t)(degree + 1) * sizeof *rounded);
+        for (int i = 0; rounded && i <= degree; i++)
+            rounded[i] = sphv_rational_over_pi(jump.coefficient[i], over_pi);
+        knot->jump = rounded;
         knot->position = sphv_rational_number(position);
         knot->order = order;
         knot->terms = degree + 1;
@@ -177,7 +167,7 @@ static sphv_status add_knot(sphv_profile *profile, const mpq_t position,
 }
 
 /// At the origin Ŵ(−s) − Ŵ(s) jumps: twice the odd part of the first piece, with a minus.
-static sphv_status add_origin(sphv_profile *profile, const sphv_polynomial *first, double pi,
+static sphv_status add_origin(sphv_profile *profile, const sphv_polynomial *first, bool over_pi,
                               sphv_error *error)
 {
     sphv_polynomial odd;
@@ -189,15 +179,15 @@ static sphv_status add_origin(sphv_profile *profile, const sphv_polynomial *firs
         mpq_add(odd.coefficient[i], first->coefficient[i], first->coefficient[i]);
         mpq_neg(odd.coefficient[i], odd.coefficient[i]);
     }
-    status = add_knot(profile, zero, &odd, NULL, pi, error);
+    status = add_knot(profile, zero, &odd, NULL, over_pi, error);
     mpq_clear(zero);
     sphv_polynomial_free(&odd);
     return status;
 }
 
 /// Expands every piece about both its ends and collects the knots.
-static sphv_status compile_pieces(sphv_profile *profile, const sphv_exact_pieces *exact, double pi,
-                                  sphv_error *error)
+static sphv_status compile_pieces(sphv_profile *profile, const sphv_exact_pieces *exact,
+                                  bool over_pi, sphv_error *error)
 {
     sphv_exact_pieces inner = {0}, outer = {0};
     sphv_status status = sphv_exact_pieces_copy(&inner, exact, 0, error);
@@ -206,47 +196,77 @@ static sphv_status compile_pieces(sphv_profile *profile, const sphv_exact_pieces
         if (i) sphv_polynomial_shift(&inner.polynomial[i], exact->outer[i - 1]);
         sphv_polynomial_shift(&outer.polynomial[i], exact->outer[i]);
         profile->piece_count = i + 1;
-        status = compile_piece(profile, i, exact, &inner.polynomial[i], &outer.polynomial[i], pi,
-                               error);
+        status = compile_piece(profile, i, exact, &inner.polynomial[i], &outer.polynomial[i],
+                               over_pi, error);
     }
-    if (status == SPHV_OK) status = add_origin(profile, &exact->polynomial[0], pi, error);
+    if (status == SPHV_OK) status = add_origin(profile, &exact->polynomial[0], over_pi, error);
     for (int i = 0; status == SPHV_OK && i < exact->count; i++)
         status = add_knot(profile, exact->outer[i], &outer.polynomial[i],
-                          i + 1 < exact->count ? &inner.polynomial[i + 1] : NULL, pi, error);
+                          i + 1 < exact->count ? &inner.polynomial[i + 1] : NULL, over_pi, error);
     sphv_exact_pieces_free(&inner);
     sphv_exact_pieces_free(&outer);
     return status;
 }
 
-/// Exact moments, rounded once: the sphere's surface cancels the π of the constant.
+/// Rounds an exact number and, for the zeroth moments, its excess over 1.
+static sphv_result round_moment(mpq_t moment, double *excess)
+{
+    double value = sphv_rational_round(moment);
+    if (excess) {
+        mpz_sub(mpq_numref(moment), mpq_numref(moment), mpq_denref(moment));
+        *excess = sphv_rational_round(moment);
+    }
+    return (sphv_result){value, unit_roundoff * fabs(value)};
+}
+
+/// jump[i] = w(q_i−) − w(q_i+) at the outer end of piece i. \return whether any is not zero
+static bool value_jumps(mpq_t *jump, const sphv_exact_pieces *pieces)
+{
+    bool any = false;
+    mpq_t after;
+    mpq_init(after);
+    for (int i = 0; i < pieces->count; i++) {
+        mpq_init(jump[i]);
+        sphv_polynomial_value(jump[i], &pieces->polynomial[i], pieces->outer[i]);
+        if (i + 1 < pieces->count) {
+            sphv_polynomial_value(after, &pieces->polynomial[i + 1], pieces->outer[i]);
+            mpq_sub(jump[i], jump[i], after);
+        }
+        any = any || mpq_sgn(jump[i]) != 0;
+    }
+    mpq_clear(after);
+    return any;
+}
+
+/// Exact moments, rounded once: the sphere's surface cancels the π of the constant. By parts,
+/// −∫q^(j+d) w′ dq/(j+d) = ∫q^(j+d−1) w dq − Σ jumps of w · q^(j+d)/(j+d).
 static void exact_moments(sphv_profile *profile, const sphv_exact_pieces *pieces)
 {
     int d = profile->dimension;
-    mpq_t moment, factor, one;
-    mpq_inits(moment, factor, one, NULL);
-    mpq_set_ui(one, 1, 1);
+    mpq_t moment, part, surface, jump[SPHV_PIECES_MAX];
+    mpq_inits(moment, part, surface, NULL);
+    mpq_set_si(surface, sphv_sphere_factor(d), 1);
+    bool continuous = !value_jumps(jump, pieces);
     for (int j = 0; j <= SPHV_MOMENT_MAX; j++) {
         sphv_exact_pieces_moment(moment, pieces, 0, j + d - 1);
-        mpq_set_si(factor, sphv_sphere_factor(d), 1);
-        mpq_mul(moment, moment, factor);
-        profile->moment[j].value = sphv_rational_round(moment);
-        profile->moment[j].bound = unit_roundoff * fabs(profile->moment[j].value);
-        if (j == 0) {
-            mpq_sub(moment, moment, one);
-            profile->excess = sphv_rational_round(moment);
+        mpq_mul(moment, moment, surface);
+        mpq_t slope;
+        mpq_init(slope);
+        mpq_set(slope, moment);
+        profile->moment[j] = round_moment(moment, j ? NULL : &profile->excess);
+        for (int i = 0; !continuous && i < pieces->count; i++) {
+            sphv_rational_power(part, pieces->outer[i], j + d);
+            mpq_mul(part, part, jump[i]);
+            mpq_mul(part, part, surface);
+            mpz_mul_ui(mpq_denref(part), mpq_denref(part), (unsigned long)(j + d));
+            mpq_canonicalize(part);
+            mpq_sub(slope, slope, part);
         }
-        sphv_exact_pieces_moment(moment, pieces, 1, j + d);
-        mpq_set_si(factor, -sphv_sphere_factor(d), (unsigned long)(j + d));
-        mpq_canonicalize(factor);
-        mpq_mul(moment, moment, factor);
-        profile->slope_moment[j].value = sphv_rational_round(moment);
-        profile->slope_moment[j].bound = unit_roundoff * fabs(profile->slope_moment[j].value);
-        if (j == 0) {
-            mpq_sub(moment, moment, one);
-            profile->slope_excess = sphv_rational_round(moment);
-        }
+        profile->slope_moment[j] = round_moment(slope, j ? NULL : &profile->slope_excess);
+        mpq_clear(slope);
     }
-    mpq_clears(moment, factor, one, NULL);
+    for (int i = 0; i < pieces->count; i++) mpq_clear(jump[i]);
+    mpq_clears(moment, part, surface, NULL);
 }
 
 static void find_boundary_smoothness(sphv_profile *profile)
@@ -264,11 +284,11 @@ sphv_status sphv_profile_from_pieces(sphv_profile *out, int dimension,
     out->dimension = dimension;
     out->support_exact = sphv_rational_number(pieces->outer[pieces->count - 1]);
     out->support = out->support_exact.value;
-    double pi = sphv_sphere_pi(dimension);
-    out->constant.value = sphv_rational_round(constant) / pi;
-    out->constant.bound = 3 * unit_roundoff * fabs(out->constant.value);
+    bool over_pi = dimension > 1;
+    out->constant.value = sphv_rational_over_pi(constant, over_pi);
+    out->constant.bound = 2 * unit_roundoff * fabs(out->constant.value);
     sphv_status status = allocate(out, pieces->count, pieces->count + 1, error);
-    if (status == SPHV_OK) status = compile_pieces(out, pieces, pi, error);
+    if (status == SPHV_OK) status = compile_pieces(out, pieces, over_pi, error);
     if (status == SPHV_OK) {
         exact_moments(out, pieces);
         find_boundary_smoothness(out);

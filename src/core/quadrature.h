@@ -14,4 +14,14 @@
 sphv_result sphv_quadrature(double (*f)(double x, void *context), void *context, double from,
                             double to, double panel);
 
+/// ∫_from^to q^(first + j) w(q) dq for j = 0 … count − 1, with w evaluated once per node.
+///
+/// \param values  receives w and w′ at q in out[0] and out[1], with their bounds
+/// \param out     receives the integrals; the bound holds the error of w, of the nodes' places
+///                (through w′) and of the summation. \pre count <= SPHV_MOMENT_MAX + 1
+sphv_status sphv_quadrature_moments(void (*values)(const void *context, double q,
+                                                   sphv_result out[3]),
+                                    const void *context, double from, double to, double panel,
+                                    int first, int count, sphv_result *out) SPHV_MUST_CHECK;
+
 #endif
