@@ -5,6 +5,7 @@
 
 enum { TERMS_MAX = SPHV_JET_MAX - 4, MODES_MAX = 4096 };
 static const double remainder_wanted = 1e-18;
+static const double bound_wanted = 1e-13; ///< of E_d, or of 1 % where E_d is smaller
 
 /// sin(Ks)/K's derivatives at s: K^(n−1) sin(Ks + nπ/2).
 static double sine_derivative(double K, double s, int n)
@@ -103,14 +104,15 @@ double sphv_gradient_variation(const sphv_profile *profile, double K, int order)
     return exp(log_integral(size, K, profile->support, order) + gsl_sf_lnfact((unsigned)order));
 }
 
-/// The fewest modes, then the fewest terms, whose remainder is below what is wanted.
-static double choose_lengths(const sphv_profile *profile, double K, double spacing, int *terms,
-                             int *modes)
+/// From `fewest` on, the fewest modes, then the fewest terms, whose remainder is below what is
+/// wanted.
+static double choose_lengths(const sphv_profile *profile, double K, double spacing, int fewest,
+                             int *terms, int *modes)
 {
     static const int lengths[] = {6, 8, 10, 12, 14, 16, 20, 24, 28, 32, 40, 48, 60, 76, TERMS_MAX};
     double size[SPHV_JET_MAX + 1], best = INFINITY;
     sum_derivative_sizes(profile, size);
-    for (int m = 0; m <= MODES_MAX; m = m < 4 ? m + 1 : m + m / 4)
+    for (int m = fewest; m <= MODES_MAX; m = m < 4 ? m + 1 : m + m / 4)
         for (size_t i = 0; i < sizeof lengths / sizeof *lengths; i++) {
             double remainder =
                 exp(log_remainder(size, K, profile->support, spacing, lengths[i], m));
@@ -124,28 +126,46 @@ static double choose_lengths(const sphv_profile *profile, double K, double spaci
     return best;
 }
 
-sphv_result sphv_discretisation_error(const sphv_profile *profile, double h, sphv_number spacing,
-                                      int *terms, int *modes)
+/// The series with at least `fewest` modes taken out of it and evaluated on their own.
+static sphv_result series(const sphv_profile *profile, double K, sphv_number spacing, int fewest,
+                          int *terms, int *modes)
 {
-    double K = 2 * M_PI * h;
-    int p_last = 0, m_last = 0;
-    sphv_result sum = {0, 0};
-    sum.bound = choose_lengths(profile, K, spacing.value, &p_last, &m_last);
+    sphv_result sum = {0, choose_lengths(profile, K, spacing.value, fewest, terms, modes)};
     for (int i = 0; i < profile->knot_count; i++) {
         const sphv_knot *knot = &profile->knots[i];
         sphv_lattice_place place = sphv_number_place(knot->position, spacing);
-        for (int p = knot->order > 1 ? knot->order : 1; p <= p_last; p++) {
-            sphv_result part = term(knot, K, spacing.value, place, p, m_last);
+        for (int p = knot->order > 1 ? knot->order : 1; p <= *terms; p++) {
+            sphv_result part = term(knot, K, spacing.value, place, p, *modes);
             sum.value += part.value;
             sum.bound += part.bound;
         }
     }
-    for (int m = m_last; m >= 1; m--) {
+    for (int m = *modes; m >= 1; m--) {
         sphv_result mode = sphv_gradient_mode(profile, K, 2 * M_PI * m / spacing.value);
         sum.value += 2 * mode.value;
         sum.bound += 2 * mode.bound;
     }
     sum.bound += 4 * SPHV_U * fabs(sum.value);
+    return sum;
+}
+
+sphv_result sphv_discretisation_error(const sphv_profile *profile, double h, sphv_number spacing,
+                                      int *terms, int *modes)
+{
+    double K = 2 * M_PI * h;
+    int p_last = 0, m_last = 0;
+    sphv_result sum = series(profile, K, spacing, 0, &p_last, &m_last);
+    if (sum.bound > bound_wanted * fmax(fabs(sum.value), 0.01)) {
+        // Where Δs is close to κ, terms of high degree cancel; with their slowest modes taken out
+        // they are smaller. What each mode costs in rounding decides which is the better.
+        int p_more = 0, m_more = 0;
+        sphv_result more = series(profile, K, spacing, m_last + 1, &p_more, &m_more);
+        if (more.bound < sum.bound) {
+            sum = more;
+            p_last = p_more;
+            m_last = m_more;
+        }
+    }
     if (terms) *terms = p_last;
     if (modes) *modes = m_last;
     return sum;
