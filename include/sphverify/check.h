@@ -14,16 +14,16 @@
 
 /// What one check found.
 typedef struct sphv_check_result {
-    const char *id;    ///< row of the table of checks
-    int dimension;     ///< 1, 2 or 3; 0 when the finding holds in every dimension
-    char claim[200];   ///< what is claimed, as a sentence
-    double claimed;    ///< the number claimed; NaN when the file claims none
-    double analytic;   ///< worked out exactly; NaN when there is no number
-    double empirical;  ///< measured; NaN when there is no number
-    double bound;      ///< |analytic − empirical| may not exceed this
-    bool informative;  ///< nothing is required of the kernel here: the numbers are stated
+    const char *id;   ///< row of the table of checks
+    int dimension;    ///< 1, 2 or 3; 0 when the finding holds in every dimension
+    char claim[200];  ///< what is claimed, as a sentence
+    double claimed;   ///< the number claimed; NaN when the file claims none
+    double analytic;  ///< worked out exactly; NaN when there is no number
+    double empirical; ///< measured; NaN when there is no number
+    double bound;     ///< |analytic − empirical| may not exceed this
+    bool informative; ///< nothing is required of the kernel here: the numbers are stated
     sphv_verdict verdict;
-    char cause[400];   ///< likely cause of a failure, or a remark; "" when there is none
+    char cause[400]; ///< likely cause of a failure, or a remark; "" when there is none
 } sphv_check_result;
 
 /// All findings on one kernel.
@@ -39,7 +39,8 @@ typedef struct sphv_check_report {
 typedef struct sphv_check_options {
     int dimension; ///< only this one; 0: every dimension that the file declares
     /// Only the checks of the file's own numbers: exact arithmetic and quadrature, without particle
-    /// sums and Fourier transforms. For the self-test, which asks whether a defect is caught at all.
+    /// sums and Fourier transforms. For the self-test, which asks whether a defect is caught at
+    /// all.
     bool quick;
     /// Known kernels, to name the one that a faulty file resembles; may be NULL.
     const sphv_catalogue *reference;
@@ -60,8 +61,8 @@ typedef struct sphv_check_row {
     const char *id, *meaning;
 } sphv_check_row;
 
-/// The checks in the order of the report; ends with a row without an id.
-const sphv_check_row *sphv_check_rows(void);
+/// The checks in the order of the report; NULL beyond the last.
+const sphv_check_row *sphv_check_row_at(size_t index);
 
 /// What the self-test found for one kind of defect.
 typedef struct sphv_defect_tally {
@@ -69,17 +70,17 @@ typedef struct sphv_defect_tally {
     int applied;   ///< variants made that differ from the kernel beyond rounding
     int unchanged; ///< variants that rounding hides (a coefficient 3/4 rounded to three digits)
     int caught;
-    int named;     ///< of those, variants whose cause was named too
-    char checks[200];   ///< ids of the checks that caught it, by frequency, with counts
-    char missed[200];   ///< the first variants that were not caught
+    int named;        ///< of those, variants whose cause was named too
+    char checks[200]; ///< ids of the checks that caught it, by frequency, with counts
+    char missed[200]; ///< the first variants that were not caught
 } sphv_defect_tally;
 
 typedef struct sphv_self_test {
     size_t count;
     sphv_defect_tally *defects;
-    int kernels;       ///< sound kernels checked
-    int false_alarms;  ///< of those, kernels that raised something
-    char alarm[200];   ///< the first of them
+    int kernels;      ///< sound kernels checked
+    int false_alarms; ///< of those, kernels that raised something
+    char alarm[200];  ///< the first of them
     sphv_verdict verdict;
     double seconds;
 } sphv_self_test;

@@ -6,9 +6,13 @@
 #include "arguments.h"
 #include "command.h"
 
-const sphv_command *const sphv_commands[] = {&sphv_command_kernels, &sphv_command_kernel,
-                                             &sphv_command_error, &sphv_command_run,
-                                             &sphv_command_report, NULL};
+const sphv_command *const sphv_commands[] = {&sphv_command_kernels,
+                                             &sphv_command_kernel,
+                                             &sphv_command_error,
+                                             &sphv_command_check,
+                                             &sphv_command_run,
+                                             &sphv_command_report,
+                                             NULL};
 
 static void print_usage(FILE *stream)
 {

@@ -1,0 +1,19 @@
+/// \file candidate.h
+/// Judging a candidate shape: would these pieces be a sound kernel with the file's own claims?
+#ifndef SPHVERIFY_CHECK_CANDIDATE_H
+#define SPHVERIFY_CHECK_CANDIDATE_H
+
+#include "check_internal.h"
+
+/// Does the shape meet everything that is claimed or required: value and slope continuous inside
+/// and zero at κ, β as claimed, and every claimed constant right to 1e-13?
+/// \param kernel  whose claims, support and transform apply
+bool sphv_candidate_fits(const sphv_kernel *kernel, const sphv_exact_pieces *pieces);
+
+/// Does a file give enough to tell a right repair from a lucky one?
+bool sphv_candidate_decidable(const sphv_kernel *kernel);
+
+/// Jump of the order-th Taylor coefficient at the outer end of a piece, inside minus outside.
+void sphv_candidate_jump(mpq_t out, const sphv_exact_pieces *pieces, int piece, int order);
+
+#endif

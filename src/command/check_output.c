@@ -1,0 +1,183 @@
+#include "check_output.h"
+
+#include <math.h>
+
+#include "command.h"
+#include "report/text.h"
+
+/// Text that need not be UTF-8 (a path) as a JSON string.
+static json_t *text_json(const char *text)
+{
+    json_t *string = json_string(text);
+    if (string) return string;
+    char clean[1200], one[5];
+    size_t used = 0;
+    while (used + 5 < sizeof clean && sphv_text_next(&text, one))
+        used += (size_t)snprintf(clean + used, sizeof clean - used, "%s", one);
+    clean[used] = '\0';
+    return json_string(clean);
+}
+
+static json_t *dimension_json(int dimension)
+{
+    return dimension ? json_integer(dimension) : json_null();
+}
+
+static json_t *result_json(const sphv_check_result *result)
+{
+    return json_pack(
+        "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:b, s:s, s:o}", "id", result->id, "dimension",
+        dimension_json(result->dimension), "claim", text_json(result->claim), "claimed",
+        sphv_json_number(result->claimed), "analytic", sphv_json_number(result->analytic),
+        "empirical", sphv_json_number(result->empirical), "bound", sphv_json_number(result->bound),
+        "informative", result->informative, "verdict", sphv_verdict_name(result->verdict), "cause",
+        *result->cause ? text_json(result->cause) : json_null());
+}
+
+json_t *sphv_check_json(const sphv_check_report *report)
+{
+    json_t *checks = json_array();
+    for (size_t i = 0; i < report->count; i++)
+        json_array_append_new(checks, result_json(&report->results[i]));
+    return json_pack("{s:o, s:o, s:o, s:s, s:o, s:o}", "kernel", text_json(report->kernel), "title",
+                     text_json(report->title), "path", text_json(report->path), "verdict",
+                     sphv_verdict_name(report->verdict), "seconds",
+                     sphv_json_number(report->seconds), "checks", checks);
+}
+
+json_t *sphv_check_rows_json(const sphv_check_report *report)
+{
+    json_t *rows = json_array();
+    for (size_t i = 0; i < report->count; i++) {
+        json_t *row = json_pack("{s:o}", "kernel", text_json(report->kernel));
+        json_t *result = result_json(&report->results[i]);
+        json_object_update(row, result);
+        json_decref(result);
+        json_array_append_new(rows, row);
+    }
+    return rows;
+}
+
+static void put_padded(FILE *stream, const char *text, int width)
+{
+    char one[5];
+    int used = 0;
+    for (; sphv_text_next(&text, one); used++) fputs(one, stream);
+    for (; used < width; used++) fputc(' ', stream);
+}
+
+static void put_number(FILE *stream, double value)
+{
+    char text[SPHV_NUMBER_TEXT] = "-";
+    if (isfinite(value)) snprintf(text, sizeof text, "%.12g", value);
+    fprintf(stream, "%20s", text);
+}
+
+static const char *dimension_text(int dimension)
+{
+    static const char *const names[] = {"all", "1D", "2D", "3D"};
+    return names[dimension];
+}
+
+/// Lines that are only stated carry no verdict of their own.
+static const char *word(const sphv_check_result *result)
+{
+    return result->informative && result->verdict == SPHV_AGREES
+               ? "stated"
+               : sphv_verdict_name(result->verdict);
+}
+
+void sphv_check_print_text(FILE *stream, const sphv_check_report *report)
+{
+    put_padded(stream, report->kernel, 0);
+    fputs(": ", stream);
+    put_padded(stream, report->title, 0);
+    fputs("\n\n", stream);
+    fprintf(stream, "  %-12s  %-20s  %-3s  %20s  %20s  %8s\n", "", "check", "dim", "analytic",
+            "measured", "bound");
+    for (size_t i = 0; i < report->count; i++) {
+        const sphv_check_result *result = &report->results[i];
+        fprintf(stream, "  %-12s  %-20s  %-3s  ", word(result), result->id,
+                dimension_text(result->dimension));
+        put_number(stream, result->analytic);
+        fputs("  ", stream);
+        put_number(stream, result->empirical);
+        fprintf(stream, "  %8.1e  ", result->bound);
+        put_padded(stream, result->claim, 0);
+        if (*result->cause) {
+            fprintf(stream, "\n  %-12s  %s ", "", result->verdict == SPHV_AGREES ? "note:" : "->");
+            put_padded(stream, result->cause, 0);
+        }
+        fputc('\n', stream);
+    }
+    fputc('\n', stream);
+    put_padded(stream, report->kernel, 0);
+    fprintf(stream, ": %s", sphv_verdict_name(report->verdict));
+    for (size_t i = 0, named = 0; i < report->count; i++)
+        if (report->results[i].verdict != SPHV_AGREES)
+            fprintf(stream, "%s%s (%s)", named++ ? ", " : ": ", report->results[i].id,
+                    dimension_text(report->results[i].dimension));
+    fprintf(stream, " (%.2f s)\n", report->seconds);
+}
+
+void sphv_check_print_markdown(FILE *stream, const sphv_check_report *report)
+{
+    fputs("# ", stream);
+    sphv_put_markdown(stream, report->kernel);
+    fputs(": ", stream);
+    sphv_put_markdown(stream, report->title);
+    fprintf(stream, "\n\nVerdict: **%s**\n\n", sphv_verdict_name(report->verdict));
+    fputs(
+        "| Check | Dimension | Claim | Claimed | Analytic | Measured | Bound | Verdict | Cause or "
+        "remark |\n|---|---|---|---|---|---|---|---|---|\n",
+        stream);
+    for (size_t i = 0; i < report->count; i++) {
+        const sphv_check_result *result = &report->results[i];
+        const double numbers[] = {result->claimed, result->analytic, result->empirical};
+        fprintf(stream, "| %s | %s | ", result->id, dimension_text(result->dimension));
+        sphv_put_markdown(stream, result->claim);
+        for (int k = 0; k < 3; k++) {
+            char text[SPHV_NUMBER_TEXT];
+            fprintf(stream, " | %s", sphv_number_text(text, numbers[k], 15));
+        }
+        fprintf(stream, " | %.1e | %s | ", result->bound, word(result));
+        sphv_put_markdown(stream, result->cause);
+        fputs(" |\n", stream);
+    }
+}
+
+json_t *sphv_self_test_json(const sphv_self_test *test)
+{
+    json_t *defects = json_array();
+    for (size_t i = 0; i < test->count; i++) {
+        const sphv_defect_tally *tally = &test->defects[i];
+        json_array_append_new(
+            defects, json_pack("{s:s, s:s, s:i, s:i, s:i, s:i, s:s, s:s}", "id", tally->id,
+                               "defect", tally->meaning, "applied", tally->applied, "unchanged",
+                               tally->unchanged, "caught", tally->caught, "cause_named",
+                               tally->named, "checks", tally->checks, "missed", tally->missed));
+    }
+    return json_pack("{s:s, s:i, s:i, s:s, s:o, s:o}", "verdict", sphv_verdict_name(test->verdict),
+                     "kernels", test->kernels, "false_alarms", test->false_alarms, "first_alarm",
+                     test->alarm, "seconds", sphv_json_number(test->seconds), "defects", defects);
+}
+
+void sphv_self_test_print(FILE *stream, const sphv_self_test *test)
+{
+    int applied = 0, caught = 0;
+    fprintf(stream, "%-22s %7s %6s %6s %9s  %s\n", "defect", "applied", "caught", "named",
+            "unchanged", "caught by");
+    for (size_t i = 0; i < test->count; i++) {
+        const sphv_defect_tally *tally = &test->defects[i];
+        fprintf(stream, "%-22s %7d %6d %6d %9d  %s\n", tally->id, tally->applied, tally->caught,
+                tally->named, tally->unchanged, tally->checks);
+        if (*tally->missed) fprintf(stream, "%-22s missed: %s\n", "", tally->missed);
+        applied += tally->applied;
+        caught += tally->caught;
+    }
+    fprintf(stream,
+            "\n%zu kinds of defect, %d faulty kernels, %d caught; %d sound kernels, %d raised "
+            "something%s%s\n%s (%.1f s)\n",
+            test->count, applied, caught, test->kernels, test->false_alarms,
+            *test->alarm ? ": " : "", test->alarm, sphv_verdict_name(test->verdict), test->seconds);
+}
