@@ -7,6 +7,7 @@
 #define SPHVERIFY_THEORY_H
 
 #include "sphverify/kernel.h"
+#include "sphverify/particles.h"
 
 /// Which discretisation series is evaluated.
 typedef enum sphv_form_of_theory {
@@ -94,5 +95,17 @@ sphv_fourier_sign sphv_fourier_find_sign(const sphv_profile *profile);
 /// Periodic Bernoulli function over factorial, B̄_p(θ)/p!, without its first `modes` Fourier modes.
 /// \pre p >= 1, 0 <= fraction < 1; for p = 1 and fraction 0 the mean of both sides, 0
 sphv_result sphv_periodic_bernoulli(int p, double fraction, int modes);
+
+/// Expected L2 norm of the error over the perturbations of a layout: √E[error²]/max|A′|, averaged
+/// over the field's phase. Only `l2` is a number then; its bound is the size of the neglected
+/// order.
+///
+/// A method's estimate is a function of a few sums Σ_b z(x_b − x_a) V_b. For volumes Δx and
+/// tessellated ones their means and covariances over the perturbations are exact (each summand
+/// depends on one or three of them), for density volumes to first order in σ (noise response); the
+/// function is then averaged to second order in the sums' fluctuations.
+/// \return SPHV_NO_CLOSED_FORM for random and quasi-random layouts
+sphv_status sphv_predict_disorder(const sphv_experiment *experiment, sphv_prediction *out,
+                                  sphv_error *error) SPHV_MUST_CHECK;
 
 #endif

@@ -1,0 +1,52 @@
+/// \file disorder.h
+/// The sums behind each method as random vectors, and what an estimate makes of them.
+#ifndef SPHVERIFY_ANALYTIC_DISORDER_H
+#define SPHVERIFY_ANALYTIC_DISORDER_H
+
+#include "internal.h"
+
+enum { SPHV_SUMS_MAX = 16 };
+
+/// Which quarter of the wave the particle sits on; the phase average of a squared error is the mean
+/// of both.
+typedef enum sphv_phase {
+    SPHV_PHASE_SINE,   ///< A = sin(Ks): value 0, slope 1
+    SPHV_PHASE_COSINE, ///< A = cos(Ks): value 1, slope 0
+} sphv_phase;
+
+/// Mean and covariance of a method's sums Z = Σ_b z(s_b) V_b/h.
+typedef struct sphv_sums {
+    int count;
+    double mean[SPHV_SUMS_MAX];
+    double covariance[SPHV_SUMS_MAX][SPHV_SUMS_MAX];
+} sphv_sums;
+
+/// How many sums a method needs.
+int sphv_sums_count(sphv_method method);
+
+/// The summands z of one neighbour at signed offset s.
+void sphv_sums_summand(sphv_method method, const sphv_profile *profile, double K, sphv_phase phase,
+                       double s, double *z);
+
+/// The error of the gradient, divided by max|A′|, that the method makes of its sums.
+double sphv_sums_error(sphv_method method, double K, sphv_phase phase, const double *sums);
+
+/// Mean and covariance given the particle's own perturbation, when volumes are Δx or tessellated:
+/// exact but for the quadrature over each neighbour's perturbation and for particles that swap.
+/// \param own the particle's own perturbation, in units of σ
+/// \param nodes, weights, node_count quadrature for the standard normal distribution
+void sphv_sums_conditional(const sphv_experiment *experiment, double K, sphv_phase phase,
+                           double own, const double *nodes, const double *weights, int node_count,
+                           sphv_sums *out);
+
+/// Mean on the lattice and covariance to first order in σ, for any volume rule: σ² Σ_j ∂Z/∂x_j
+/// ∂Z/∂x_jᵀ, the particle's own perturbation included.
+void sphv_sums_first_order(const sphv_experiment *experiment, double K, sphv_phase phase,
+                           sphv_sums *out);
+
+/// E[error²] of a method whose sums have this mean and covariance.
+/// \param linear receives the same by linearisation about the mean; may be NULL
+double sphv_sums_mean_square(sphv_method method, double K, sphv_phase phase, const sphv_sums *sums,
+                             double *linear);
+
+#endif

@@ -1,0 +1,219 @@
+#include <gsl/gsl_math.h>
+#include <string.h>
+
+#include "disorder.h"
+
+static int order_of(sphv_method method)
+{
+    return method == SPHV_RKPM ? 1 : method == SPHV_RKPM_2 ? 2 : 0;
+}
+
+int sphv_sums_count(sphv_method method)
+{
+    int order = order_of(method);
+    switch (method) {
+    case SPHV_SPH:
+        return 1;
+    case SPHV_BONET_LOK:
+        return 6;
+    default:
+        return 2 * (2 * order + 1) + 2 * (order + 1);
+    }
+}
+
+/// sin x − x and cos x − 1 + x²/2 without cancellation.
+static double sine_beyond_linear(double x)
+{
+    double t = x * x;
+    if (t > 0.5) return sin(x) - x;
+    return -x * t / 6 * (1 - t / 20 * (1 - t / 42 * (1 - t / 72 * (1 - t / 110 * (1 - t / 156)))));
+}
+
+static double cosine_beyond_square(double x)
+{
+    double t = x * x;
+    if (t > 0.5) return cos(x) - 1 + t / 2;
+    return t * t / 24 * (1 - t / 30 * (1 - t / 56 * (1 - t / 90 * (1 - t / 132 * (1 - t / 182)))));
+}
+
+/// The field less the polynomial that the method reproduces exactly: the estimate of that part
+/// carries no error, so only the rest needs to be summed.
+static double rest_of_field(sphv_method method, sphv_phase phase, double x)
+{
+    int consistency = sphv_methods[method].consistency;
+    if (phase == SPHV_PHASE_SINE) return consistency >= 1 ? sine_beyond_linear(x) : sin(x);
+    if (consistency >= 2) return cosine_beyond_square(x);
+    return consistency >= 0 ? -2 * sin(x / 2) * sin(x / 2) : cos(x);
+}
+
+void sphv_sums_summand(sphv_method method, const sphv_profile *profile, double K, sphv_phase phase,
+                       double s, double *z)
+{
+    double distance = fabs(s), t = rest_of_field(method, phase, K * s);
+    double w = sphv_profile_derivative(profile, 0, distance).value;
+    double g = s == 0 ? 0 : (s < 0 ? -1 : 1) * sphv_profile_derivative(profile, 1, distance).value;
+    if (method == SPHV_SPH) {
+        z[0] = t * g;
+        return;
+    }
+    if (method == SPHV_BONET_LOK) {
+        double of[6] = {w, g, t * g, t * w, s * g, s * w};
+        memcpy(z, of, sizeof of);
+        return;
+    }
+    int order = order_of(method), n = 0;
+    for (int k = 0; k <= 2 * order; k++) z[n++] = w * gsl_pow_int(s, k);
+    for (int k = 0; k <= 2 * order; k++) z[n++] = g * gsl_pow_int(s, k);
+    for (int k = 0; k <= order; k++) z[n++] = t * w * gsl_pow_int(s, k);
+    for (int k = 0; k <= order; k++) z[n++] = t * g * gsl_pow_int(s, k);
+}
+
+/// Solves a small symmetric positive definite system in place (Cholesky). NaN when it is none.
+static void solve(int n, double m[3][3], double *x)
+{
+    double l[3][3] = {{0}};
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j <= i; j++) {
+            double sum = m[i][j];
+            for (int k = 0; k < j; k++) sum -= l[i][k] * l[j][k];
+            l[i][j] = i == j ? sqrt(sum) : sum / l[j][j];
+        }
+    for (int i = 0; i < n; i++) {
+        for (int k = 0; k < i; k++) x[i] -= l[i][k] * x[k];
+        x[i] /= l[i][i];
+    }
+    for (int i = n - 1; i >= 0; i--) {
+        for (int k = i + 1; k < n; k++) x[i] -= l[k][i] * x[k];
+        x[i] /= l[i][i];
+    }
+}
+
+/// h·d/dx [P(0)ᵀ M⁻¹ b] with M_ij = Σ Ŵ s^(i+j) V, b_i = Σ T Ŵ s^i V and s = (x_b − x)/h.
+static double moving_least_squares(int order, const double *sums)
+{
+    const double *w = sums, *g = w + 2 * order + 1, *tw = g + 2 * order + 1, *tg = tw + order + 1;
+    double m[3][3], dm[3][3], c[3] = {1, 0, 0}, a[3], gradient = 0;
+    for (int i = 0; i <= order; i++) {
+        for (int j = 0; j <= order; j++) {
+            m[i][j] = w[i + j];
+            dm[i][j] = -g[i + j] - (i + j ? (i + j) * w[i + j - 1] : 0);
+        }
+        a[i] = tw[i];
+    }
+    solve(order + 1, m, c);
+    solve(order + 1, m, a);
+    for (int i = 0; i <= order; i++) {
+        gradient += c[i] * (-tg[i] - (i ? i * tw[i - 1] : 0));
+        for (int j = 0; j <= order; j++) gradient -= c[i] * dm[i][j] * a[j];
+    }
+    return gradient;
+}
+
+double sphv_sums_error(sphv_method method, double K, sphv_phase phase, const double *sums)
+{
+    double exact = phase == SPHV_PHASE_SINE && sphv_methods[method].consistency < 1 ? K : 0;
+    double estimate;
+    if (method == SPHV_SPH)
+        estimate = -sums[0];
+    else if (method == SPHV_BONET_LOK)
+        estimate =
+            (sums[3] * sums[1] - sums[2] * sums[0]) / (sums[5] * sums[1] - sums[4] * sums[0]);
+    else
+        estimate = moving_least_squares(order_of(method), sums);
+    return (estimate - exact) / K;
+}
+
+/// What the covariances of neighbouring summands need of one particle: expectations over its
+/// perturbation of z, z·y and z zᵀ, and mean and variance of its position y.
+struct expectations {
+    double z[SPHV_SUMS_MAX], zy[SPHV_SUMS_MAX], zz[SPHV_SUMS_MAX][SPHV_SUMS_MAX];
+    double position, variance;
+};
+
+static void expect(const sphv_experiment *of, double K, sphv_phase phase, double position,
+                   double deviation, const double *nodes, const double *weights, int node_count,
+                   struct expectations *out)
+{
+    int n = sphv_sums_count(of->method);
+    memset(out, 0, sizeof *out);
+    out->position = position;
+    out->variance = deviation * deviation;
+    if (fabs(position) - of->profile->support > deviation * fabs(nodes[0])) return;
+    for (int k = 0; k < node_count; k++) {
+        double z[SPHV_SUMS_MAX], y = position + deviation * nodes[k];
+        if (!(fabs(y) < of->profile->support)) continue;
+        sphv_sums_summand(of->method, of->profile, K, phase, y, z);
+        for (int i = 0; i < n; i++) {
+            out->z[i] += weights[k] * z[i];
+            out->zy[i] += weights[k] * z[i] * y;
+            for (int j = 0; j <= i; j++) out->zz[i][j] += weights[k] * z[i] * z[j];
+        }
+    }
+}
+
+/// Volumes Δx: independent summands.
+static void add_lattice(int n, double spacing, const struct expectations *b, sphv_sums *out)
+{
+    for (int i = 0; i < n; i++) {
+        out->mean[i] += spacing * b->z[i];
+        for (int j = 0; j <= i; j++)
+            out->covariance[i][j] += spacing * spacing * (b->zz[i][j] - b->z[i] * b->z[j]);
+    }
+}
+
+/// Volumes (y_{b+1} − y_{b−1})/2: summand b depends on three perturbations, so it is correlated
+/// with b, b ± 1 and b ± 2 alone. `b` points into a run with two particles more on either side.
+static void add_tessellated(int n, const struct expectations *b, sphv_sums *out)
+{
+    const struct expectations *l = b - 1, *r = b + 1, *rr = b + 2;
+    double gap = r->position - l->position, next_gap = rr->position - b->position;
+    double square = gap * gap + r->variance + l->variance;
+    for (int i = 0; i < n; i++) {
+        out->mean[i] += 0.5 * b->z[i] * gap;
+        for (int j = 0; j <= i; j++) {
+            double own = b->zz[i][j] * square - b->z[i] * b->z[j] * gap * gap;
+            // E[z_b (y_{b+2} − y_b) z_{b+1} (y_{b+1} − y_{b−1})] less the product of the means.
+            double mean = gap * next_gap;
+            double next_ij =
+                (b->z[i] * rr->position - b->zy[i]) * (r->zy[j] - r->z[j] * l->position) -
+                b->z[i] * r->z[j] * mean;
+            double next_ji =
+                (b->z[j] * rr->position - b->zy[j]) * (r->zy[i] - r->z[i] * l->position) -
+                b->z[j] * r->z[i] * mean;
+            double after = -r->variance * (b->z[i] * rr->z[j] + b->z[j] * rr->z[i]);
+            out->covariance[i][j] += 0.25 * (own + next_ij + next_ji + after);
+        }
+    }
+}
+
+static void symmetrise(sphv_sums *sums)
+{
+    for (int i = 0; i < sums->count; i++)
+        for (int j = 0; j < i; j++) sums->covariance[j][i] = sums->covariance[i][j];
+}
+
+void sphv_sums_conditional(const sphv_experiment *experiment, double K, sphv_phase phase,
+                           double own, const double *nodes, const double *weights, int node_count,
+                           sphv_sums *out)
+{
+    double spacing = experiment->spacing.value, sigma = experiment->sigma;
+    double reach = experiment->profile->support / spacing + 2 * sigma * fabs(nodes[0]) + 1;
+    int n = sphv_sums_count(experiment->method);
+    bool tessellated = experiment->volume == SPHV_VOLUME_TESSELLATED;
+    struct expectations run[5]; // the particles m − 2 … m + 2, for the one in the middle
+    memset(out, 0, sizeof *out);
+    out->count = n;
+    int last = (int)ceil(reach);
+    for (int m = -last - 3; m <= last + 3; m++) {
+        memmove(run, run + 1, 4 * sizeof *run);
+        double position = m == 0 ? 0 : (m - sigma * own) * spacing;
+        expect(experiment, K, phase, position, m == 0 ? 0 : sigma * spacing, nodes, weights,
+               node_count, &run[4]);
+        if (m < -last + 1) continue;
+        if (tessellated)
+            add_tessellated(n, &run[2], out);
+        else
+            add_lattice(n, spacing, &run[2], out);
+    }
+    symmetrise(out);
+}

@@ -1,0 +1,158 @@
+#include <gsl/gsl_cdf.h>
+#include <gsl/gsl_math.h>
+#include <stdlib.h>
+#include <time.h>
+
+#include "estimate.h"
+#include "internal.h"
+
+/// At most this many particles of a realisation are evaluated, spread evenly over the wavelength.
+enum { PARTICLES_MAX = 512, BATCH = 8 };
+
+/// What one realisation found.
+struct realisation {
+    double mean_square; ///< of the error at sound particles, divided by max|A′|²
+    long sound, particles, pairs;
+    long faults[SPHV_ESTIMATE_NOT_FINITE + 1];
+    double worst_condition;
+    sphv_status status;
+};
+
+static void evaluate(const sphv_cloud *cloud, long index, sphv_neighbourhood *around,
+                     double **field, int *field_size, struct realisation *into, sphv_sum *squares)
+{
+    const sphv_experiment *of = cloud->experiment;
+    if (sphv_cloud_neighbourhood(cloud, index, around) != SPHV_OK) {
+        into->status = SPHV_RESOURCE_FAILURE;
+        return;
+    }
+    if (around->count > *field_size) {
+        double *larger = realloc(*field, (size_t)around->count * sizeof **field);
+        if (!larger) {
+            into->status = SPHV_RESOURCE_FAILURE;
+            return;
+        }
+        *field = larger;
+        *field_size = around->count;
+    }
+    // The error is linear in the field, so its square averaged over the field's phase is the mean
+    // of those of a sine and a cosine: no bias from where the particles happen to stand on the
+    // wave.
+    double own = 2 * M_PI * around->origin, square = 0;
+    sphv_estimate_fault fault = SPHV_ESTIMATE_SOUND;
+    for (int quarter = 0; quarter < 2; quarter++) {
+        for (int b = 0; b < around->count; b++) {
+            double at = own + 2 * M_PI * of->h * around->s[b];
+            (*field)[b] = quarter ? cos(at) : sin(at);
+        }
+        sphv_estimate estimate = sphv_estimate_gradient(of->method, of->profile, around, *field);
+        double error = estimate.gradient / (2 * M_PI * of->h) - (quarter ? -sin(own) : cos(own));
+        square += 0.5 * error * error;
+        into->worst_condition = fmax(into->worst_condition, estimate.condition);
+        if (estimate.fault != SPHV_ESTIMATE_SOUND) fault = estimate.fault;
+    }
+    into->particles++;
+    into->pairs += around->count;
+    into->faults[fault]++;
+    if (fault != SPHV_ESTIMATE_SOUND) return;
+    sphv_sum_add(squares, square, 0);
+    into->sound++;
+}
+
+static void run_realisation(const sphv_experiment *experiment, int number, struct realisation *out)
+{
+    sphv_cloud cloud;
+    sphv_neighbourhood around = {0};
+    sphv_sum squares = {0, 0, 0};
+    double *field = NULL;
+    int field_size = 0;
+    *out = (struct realisation){.worst_condition = 1};
+    out->status = sphv_cloud_make(&cloud, experiment, number, NULL);
+    if (out->status == SPHV_OK) {
+        long count = cloud.particles < PARTICLES_MAX ? cloud.particles : PARTICLES_MAX;
+        for (long i = 0; i < count && out->status == SPHV_OK; i++) {
+            long index = (long)((double)i * (double)cloud.particles / (double)count);
+            evaluate(&cloud, index, &around, &field, &field_size, out, &squares);
+        }
+    }
+    sphv_result total = sphv_sum_result(&squares);
+    out->mean_square = out->sound > 0 ? total.value / (double)out->sound : NAN;
+    free(field);
+    sphv_neighbourhood_free(&around);
+    sphv_cloud_free(&cloud);
+}
+
+/// Mean over realisations with the half-width of its 95 % interval (Student's t).
+static sphv_result interval(const struct realisation *found, int count)
+{
+    double mean = 0, squares = 0;
+    int used = 0;
+    for (int i = 0; i < count; i++) {
+        if (!isfinite(found[i].mean_square)) continue;
+        double difference = found[i].mean_square - mean;
+        mean += difference / ++used;
+        squares += difference * (found[i].mean_square - mean);
+    }
+    if (used < 2) return (sphv_result){used ? mean : NAN, INFINITY};
+    double error = sqrt(squares / (used - 1.0) / used);
+    return (sphv_result){mean, gsl_cdf_tdist_Pinv(0.975, used - 1.0) * error};
+}
+
+static void collect(const struct realisation *found, int count, double h,
+                    sphv_disorder_measurement *out)
+{
+    *out = (sphv_disorder_measurement){.realisations = count, .worst_condition = 1};
+    for (int i = 0; i < count; i++) {
+        out->particles += found[i].particles;
+        out->pairs += found[i].pairs;
+        out->singular += found[i].faults[SPHV_ESTIMATE_SINGULAR];
+        out->ill_conditioned += found[i].faults[SPHV_ESTIMATE_ILL_CONDITIONED];
+        out->not_finite += found[i].faults[SPHV_ESTIMATE_NOT_FINITE];
+        out->worst_condition = fmax(out->worst_condition, found[i].worst_condition);
+    }
+    out->mean_square = interval(found, count);
+    out->l2.value = sqrt(out->mean_square.value);
+    // Rounding, which alone is left on a lattice: n + 16 operations on terms that sum to less
+    // than 4.
+    double neighbours = out->particles ? (double)out->pairs / (double)out->particles : 0;
+    out->l2.bound = out->mean_square.bound / (2 * out->l2.value) +
+                    (neighbours + 16) * 4 * SPHV_U * (1 + 1 / (2 * M_PI * h));
+}
+
+static double now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+sphv_status sphv_measure_disorder(const sphv_experiment *experiment, sphv_progress progress,
+                                  void *context, sphv_disorder_measurement *out, sphv_error *error)
+{
+    sphv_status status = sphv_experiment_check(experiment, error);
+    if (status != SPHV_OK) return status;
+    double start = now();
+    int most = experiment->realisations_max, done = 0;
+    struct realisation *found = calloc((size_t)most, sizeof *found);
+    if (!found) return sphv_fail(error, SPHV_RESOURCE_FAILURE, "out of memory");
+    // Without chance in the layout one realisation, twice for the form's sake, says it all.
+    if (experiment->layout == SPHV_LATTICE ||
+        (experiment->layout == SPHV_PERTURBED && experiment->sigma == 0))
+        most = 2;
+    while (done < most) {
+        int wanted = done == 0 ? experiment->realisations_min : done + BATCH;
+        if (wanted > most) wanted = most;
+#pragma omp parallel for schedule(dynamic)
+        for (int i = done; i < wanted; i++) run_realisation(experiment, i, &found[i]);
+        done = wanted;
+        collect(found, done, experiment->h, out);
+        if (progress) progress(context, (double)done / most);
+        if (out->l2.bound <= experiment->width * out->l2.value) break;
+    }
+    for (int i = 0; i < done; i++)
+        if (found[i].status != SPHV_OK) status = SPHV_RESOURCE_FAILURE;
+    free(found);
+    if (progress) progress(context, 1);
+    out->seconds = now() - start;
+    return status == SPHV_OK ? SPHV_OK : sphv_fail(error, status, "out of memory");
+}

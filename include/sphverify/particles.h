@@ -1,0 +1,83 @@
+/// \file particles.h
+/// Methods, layouts and volume rules: one row of one table each, and the experiment they make up.
+#ifndef SPHVERIFY_PARTICLES_H
+#define SPHVERIFY_PARTICLES_H
+
+#include <stdint.h>
+
+#include "sphverify/kernel.h"
+
+/// Estimates of the gradient; x_ba = x_b − x_a.
+typedef enum sphv_method {
+    SPHV_SPH,       ///< −Σ A_b W′ V_b (eq. 1)
+    SPHV_SHEPARD,   ///< derivative of ΣA_b W V_b/ΣW V_b
+    SPHV_BONET_LOK, ///< mixed correction, eqs. 27–28, denominator differentiated
+    SPHV_RKPM,      ///< eq. 26: order 1
+    SPHV_RKPM_0,
+    SPHV_RKPM_2,
+} sphv_method;
+
+/// Where the particles are.
+typedef enum sphv_layout {
+    SPHV_LATTICE,      ///< x_j = j Δx
+    SPHV_PERTURBED,    ///< lattice plus a normal perturbation of standard deviation σ
+    SPHV_QUASI_RANDOM, ///< Sobol sequence of density 1/Δx
+    SPHV_RANDOM,       ///< independent, uniform, of density 1/Δx
+} sphv_layout;
+
+/// What volume a particle stands for.
+typedef enum sphv_volume {
+    SPHV_VOLUME_LATTICE,     ///< Δx
+    SPHV_VOLUME_TESSELLATED, ///< (x_{b+1} − x_{b−1})/2 between neighbours in order
+    SPHV_VOLUME_DENSITY,     ///< m/ρ_b, ρ_b = Σ m W
+    SPHV_VOLUME_UNIT,        ///< 1
+} sphv_volume;
+
+/// A method: `consistency` is the highest degree of polynomial whose gradient is exact on any
+/// layout (−1: none), `unknowns` the size of the moment matrix.
+typedef struct sphv_method_row {
+    const char *name;
+    int consistency, unknowns;
+    bool scale_free; ///< a common factor of all volumes cancels, so unit volumes make sense
+    const char *reference;
+} sphv_method_row;
+
+/// A named choice.
+typedef struct sphv_name_row {
+    const char *name, *meaning;
+} sphv_name_row;
+
+extern const sphv_method_row sphv_methods[]; ///< indexed by sphv_method, ended by a NULL name
+extern const sphv_name_row sphv_layouts[];   ///< indexed by sphv_layout
+extern const sphv_name_row sphv_volumes[];   ///< indexed by sphv_volume
+
+/// Reads a name; SPHV_INVALID_INPUT lists the allowed ones.
+sphv_status sphv_method_parse(const char *name, sphv_method *out,
+                              sphv_error *error) SPHV_MUST_CHECK;
+sphv_status sphv_layout_parse(const char *name, sphv_layout *out,
+                              sphv_error *error) SPHV_MUST_CHECK;
+sphv_status sphv_volume_parse(const char *name, sphv_volume *out,
+                              sphv_error *error) SPHV_MUST_CHECK;
+
+/// What is estimated, and on which particles: the gradient of sin(2πx) in one dimension, λ = 1.
+typedef struct sphv_experiment {
+    const sphv_profile *profile;
+    double h;            ///< smoothing length in wavelengths
+    sphv_number spacing; ///< mean Δx/h
+    sphv_method method;
+    sphv_layout layout;
+    sphv_volume volume;
+    double sigma; ///< σ/Δx of the perturbed layout
+    uint64_t seed;
+    double width; ///< wanted relative half-width of the L2 norm's 95 % interval
+    int realisations_min, realisations_max;
+} sphv_experiment;
+
+/// Largest σ/Δx accepted.
+#define SPHV_SIGMA_MAX 10.0
+
+/// Checks that the parts of an experiment go together.
+sphv_status sphv_experiment_check(const sphv_experiment *experiment,
+                                  sphv_error *error) SPHV_MUST_CHECK;
+
+#endif

@@ -1,0 +1,105 @@
+#include "sphverify/particles.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+const sphv_method_row sphv_methods[] = {
+    {"sph", -1, 0, false, "Quinlan, Basa and Lastiwka 2006, eq. 1"},
+    {"shepard", 0, 1, true, "Shepard 1968; eq. 27 differentiated"},
+    {"bonet-lok", 1, 1, true, "Bonet and Lok 1999; eqs. 27-28"},
+    {"rkpm", 1, 2, true, "Liu, Jun and Zhang 1995; eq. 26"},
+    {"rkpm-0", 0, 1, true, "Liu, Jun and Zhang 1995, order 0"},
+    {"rkpm-2", 2, 3, true, "Liu, Jun and Zhang 1995, order 2"},
+    {NULL, 0, 0, false, NULL},
+};
+
+const sphv_name_row sphv_layouts[] = {
+    {"lattice", "evenly spaced"},
+    {"perturbed", "lattice with normal perturbations of standard deviation sigma"},
+    {"quasi-random", "Sobol sequence"},
+    {"random", "independent and uniform"},
+    {NULL, NULL},
+};
+
+const sphv_name_row sphv_volumes[] = {
+    {"lattice", "the mean spacing"},
+    {"tessellated", "half the distance between both neighbours"},
+    {"density", "mass over the summed density"},
+    {"unit", "one"},
+    {NULL, NULL},
+};
+
+static const char *name_at(const void *table, size_t row_size, int i)
+{
+    return *(const char *const *)((const char *)table + (size_t)i * row_size);
+}
+
+static sphv_status parse(const void *table, size_t row_size, const char *kind, const char *name,
+                         int *out, sphv_error *error)
+{
+    char allowed[256] = "";
+    size_t used = 0;
+    for (int i = 0; name_at(table, row_size, i); i++) {
+        const char *row = name_at(table, row_size, i);
+        if (strcmp(row, name) == 0) {
+            *out = i;
+            return SPHV_OK;
+        }
+        used += (size_t)snprintf(allowed + used, sizeof allowed - used, "%s%s", i ? ", " : "", row);
+    }
+    return sphv_fail(error, SPHV_INVALID_INPUT, "unknown %s '%.60s'; allowed: %s", kind, name,
+                     allowed);
+}
+
+sphv_status sphv_method_parse(const char *name, sphv_method *out, sphv_error *error)
+{
+    int index = 0;
+    sphv_status status = parse(sphv_methods, sizeof *sphv_methods, "method", name, &index, error);
+    if (status == SPHV_OK) *out = (sphv_method)index;
+    return status;
+}
+
+sphv_status sphv_layout_parse(const char *name, sphv_layout *out, sphv_error *error)
+{
+    int index = 0;
+    sphv_status status = parse(sphv_layouts, sizeof *sphv_layouts, "layout", name, &index, error);
+    if (status == SPHV_OK) *out = (sphv_layout)index;
+    return status;
+}
+
+sphv_status sphv_volume_parse(const char *name, sphv_volume *out, sphv_error *error)
+{
+    int index = 0;
+    sphv_status status =
+        parse(sphv_volumes, sizeof *sphv_volumes, "volume rule", name, &index, error);
+    if (status == SPHV_OK) *out = (sphv_volume)index;
+    return status;
+}
+
+sphv_status sphv_experiment_check(const sphv_experiment *experiment, sphv_error *error)
+{
+    if (experiment->profile->dimension != 1)
+        return sphv_fail(error, SPHV_NO_CLOSED_FORM, "no experiment in %d dimensions; allowed: 1",
+                         experiment->profile->dimension);
+    if (!(experiment->sigma >= 0 && experiment->sigma <= SPHV_SIGMA_MAX))
+        return sphv_fail(error, SPHV_INVALID_INPUT, "sigma is %g; allowed: 0 to %g",
+                         experiment->sigma, SPHV_SIGMA_MAX);
+    if (experiment->sigma > 0 && experiment->layout != SPHV_PERTURBED)
+        return sphv_fail(error, SPHV_INVALID_INPUT,
+                         "sigma %g with layout '%s'; allowed: sigma with layout perturbed",
+                         experiment->sigma, sphv_layouts[experiment->layout].name);
+    if (experiment->volume == SPHV_VOLUME_UNIT && !sphv_methods[experiment->method].scale_free)
+        return sphv_fail(error, SPHV_INVALID_INPUT,
+                         "volume 'unit' with method '%s'; allowed: volume lattice, tessellated or "
+                         "density, or a normalised method",
+                         sphv_methods[experiment->method].name);
+    if (!(experiment->width > 0) || experiment->realisations_min < 2 ||
+        experiment->realisations_max < experiment->realisations_min)
+        return sphv_fail(error, SPHV_INVALID_INPUT,
+                         "width %g with %d to %d realisations; allowed: a positive width, at least "
+                         "2 realisations",
+                         experiment->width, experiment->realisations_min,
+                         experiment->realisations_max);
+    return SPHV_OK;
+}
