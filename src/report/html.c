@@ -71,7 +71,10 @@ void sphv_html_paragraphs(FILE *stream, const char *text, const char *css_class)
         size_t length = strcspn(text, "\n");
         char *line = strndup(text, length);
         if (line && *line) {
-            fprintf(stream, "<p class=\"%s\">", css_class);
+            if (css_class)
+                fprintf(stream, "<p class=%s>", css_class);
+            else
+                fputs("<p>", stream);
             sphv_put_html(stream, line);
             fputs("</p>\n", stream);
         }
@@ -197,7 +200,7 @@ void sphv_render_html(FILE *stream, const sphv_rendering *rendering)
     put_verdicts(stream, rendering);
     fputs("<section id=reading><h2>How to read it</h2>\n", stream);
     for (const char *const *line = sphv_report_preface; *line; line++)
-        sphv_html_paragraphs(stream, *line, "");
+        sphv_html_paragraphs(stream, *line, NULL);
     fputs("</section>\n<section id=slips><h2>Slips of the paper, in numbers</h2>\n", stream);
     sphv_html_slips(stream, &rendering->slips);
     fputs("</section>\n<section id=scenes><h2>Scenes</h2>\n", stream);

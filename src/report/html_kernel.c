@@ -44,7 +44,7 @@ static void put_exact(FILE *stream, const char *exact, sphv_result value)
         sphv_put_html(stream, exact);
         fputs("</code> = ", stream);
     }
-    sphv_html_number(stream, value.value, 10);
+    sphv_html_number(stream, value.value, *exact ? 8 : 10);
     if (!*exact && value.bound > 0) {
         fputs(" ± ", stream);
         sphv_html_number(stream, value.bound, 2);
@@ -53,9 +53,14 @@ static void put_exact(FILE *stream, const char *exact, sphv_result value)
 
 static void put_dimensions(FILE *stream, const sphv_kernel_facts *facts)
 {
-    static const char *const columns[] = {
-        "Dim.",          "Constant C, recomputed", "File’s claim",      "Verdict",
-        "μ<sub>2</sub>", "μ<sub>4</sub>",          "Fourier transform", NULL};
+    static const char *const columns[] = {"Dim.",
+                                          "Constant C, recomputed",
+                                          "File’s claim",
+                                          "Verdict",
+                                          "μ<sub>2</sub>",
+                                          "μ<sub>4</sub>",
+                                          "Fourier transform, relative to Ŵ<sub>F</sub>(0)",
+                                          NULL};
     sphv_html_table_begin(stream, "Constants and moments", columns);
     for (int d = 1; d <= SPHV_DIMENSIONS; d++) {
         const sphv_dimension_facts *of = &facts->dimension[d - 1];
@@ -73,9 +78,9 @@ static void put_dimensions(FILE *stream, const sphv_kernel_facts *facts)
         }
         put_exact(stream, of->moment[1], of->profile->moment[2]);
         put_exact(stream, of->moment[2], of->profile->moment[4]);
-        fputs("<td>", stream);
+        fputs("<td class=t>", stream);
         if (of->fourier.negative) {
-            fputs("first negative at Ωh = ", stream);
+            fputs("negative from Ωh = ", stream);
             sphv_html_number(stream, of->fourier.first_negative, 5);
             fputs(", least ", stream);
             sphv_html_number(stream, of->fourier.minimum, 3);

@@ -150,7 +150,7 @@ const char *sphv_number_text(char text[SPHV_NUMBER_TEXT], double value, int digi
         return text;
     }
     char plain[SPHV_NUMBER_TEXT - 4];
-    snprintf(plain, sizeof plain, "%.*g", digits, value);
+    snprintf(plain, sizeof plain, "%.*g", digits, value == 0 ? 0 : value); // no minus zero
     // A true minus sign, and exponents without padding.
     char *to = text;
     for (const char *from = plain; *from; from++) {
