@@ -224,9 +224,10 @@ bool sphv_render_json(FILE *stream, const sphv_rendering *rendering)
     for (size_t i = 0; i < report->scene_count; i++)
         json_array_append_new(scenes, scene_with_curves(report->scenes[i]));
     json_t *root = json_pack(
-        "{s:s, s:o, s:{s:o, s:o}, s:o, s:o}", "verdict", sphv_verdict_name(report->verdict),
-        "seconds", number(report->seconds), "slips", "sign", sign_slips_json(&rendering->slips),
-        "interior_knots", knot_slip_json(&rendering->slips), "kernels", kernels, "scenes", scenes);
+        "{s:s, s:o, s:{s:o, s:o}, s:o, s:o}", "verdict",
+        sphv_verdict_name(sphv_rendering_verdict(rendering)), "seconds", number(report->seconds),
+        "slips", "sign", sign_slips_json(&rendering->slips), "interior_knots",
+        knot_slip_json(&rendering->slips), "kernels", kernels, "scenes", scenes);
     // A failure to write shows in the stream; only memory is reported here.
     if (root) (void)json_dumpf(root, stream, JSON_COMPACT | JSON_REAL_PRECISION(17));
     fputc('\n', stream);

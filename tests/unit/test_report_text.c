@@ -59,10 +59,11 @@ static void csv_quotes_what_would_break_a_row(void **state)
 static void gnuplot_strings_cannot_be_left(void **state)
 {
     (void)state;
-    assert_written(put_gnuplot_ten, "it's", "'it''s'");
-    assert_written(put_gnuplot_ten, "a\nb\tc", "'a b c'");
-    assert_written(put_gnuplot_ten, "1234567890", "'1234567890'");
-    assert_written(put_gnuplot_ten, "12345678901", "'123456789…'");
+    assert_written(put_gnuplot_ten, "it's", "\"it\\047s\"");
+    assert_written(put_gnuplot_ten, "\"`\\λ", "\"\\042\\140\\134λ\"");
+    assert_written(put_gnuplot_ten, "a\nb\tc", "\"a b c\"");
+    assert_written(put_gnuplot_ten, "1234567890", "\"1234567890\"");
+    assert_written(put_gnuplot_ten, "12345678901", "\"123456789…\"");
 }
 
 /// No sequence of bytes may come through as anything but valid UTF-8 without control characters.
