@@ -70,9 +70,10 @@ typedef struct sphv_defect_tally {
     int applied;   ///< variants made that differ from the kernel beyond rounding
     int unchanged; ///< variants that rounding hides (a coefficient 3/4 rounded to three digits)
     int caught;
-    int named;        ///< of those, variants whose cause was named too
-    char checks[200]; ///< ids of the checks that caught it, by frequency, with counts
-    char missed[200]; ///< the first variants that were not caught
+    int named;         ///< of those, variants whose cause was named too
+    char checks[200];  ///< ids of the checks that caught it, by frequency, with counts
+    char missed[200];  ///< the first variant that was not caught; "" when there is none
+    char unnamed[200]; ///< the first one whose cause was not named
 } sphv_defect_tally;
 
 typedef struct sphv_self_test {

@@ -80,7 +80,7 @@ bool sphv_candidate_fits(const sphv_kernel *kernel, const sphv_exact_pieces *pie
     if (beta && smooth_below(pieces, pieces->count - 1, edge + 1)) return false;
     for (int d = 1; d <= SPHV_DIMENSIONS; d++)
         if (kernel->claims.constant[d - 1] && kernel->declared[d - 1] &&
-            !kernel->refusal[d - 1][0] && !constant_fits(kernel, pieces, d))
+            !constant_fits(kernel, pieces, d))
             return false;
     return true;
 }

@@ -1,4 +1,5 @@
 /// Mistakes in what the file claims, in its closed form, and in the gradient it gives.
+#include <gsl/gsl_sf_gamma.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -112,18 +113,12 @@ static sphv_application constant_renormalised(sphv_kernel *kernel, int d)
     if (d >= SPHV_DIMENSIONS || kernel->polynomial || !kernel->form.family->truncated)
         return SPHV_NO_MORE;
     if (!claimed(kernel, d, &value)) return SPHV_NOT_HERE;
-    // The tail of e^{−q²} beyond κ, by a crude sum: good enough to be the number a user writes.
-    double whole = 0, inside = 0, kappa = kernel->support.value;
-    for (int i = 0; i < 20000; i++) {
-        double q = (i + 0.5) * (kappa + 9) / 20000, w;
-        sphv_form form = kernel->form;
-        form.dimension = d + 1;
-        form.scale = 1;
-        sphv_form_jet(&form, q, 0, &w);
-        whole += w * pow(q, d);
-        if (q < kappa) inside += w * pow(q, d);
-    }
-    return change_constant(kernel, d, whole / inside, 17);
+    // The part inside κ: P(d/2, κ²) of the Gaussian, and by parts of the super-Gaussian.
+    double half = 0.5 * (d + 1), square = kernel->support.value * kernel->support.value;
+    double inside = gsl_sf_gamma_inc_P(half, square);
+    if (strcmp(kernel->form.family->name, "super-gaussian") == 0)
+        inside = (1 + half) * inside - half * gsl_sf_gamma_inc_P(half + 1, square);
+    return change_constant(kernel, d, 1 / inside, 17);
 }
 
 static sphv_application change_claim(sphv_kernel *kernel, int variant, const int *claim, int value)
@@ -230,31 +225,10 @@ const sphv_defect sphv_claim_defects[] = {
     {NULL, NULL, NULL, NULL},
 };
 
-/// Gives the kernel its right gradient. \return false when it has none to give
-static bool give_gradient(sphv_kernel *kernel)
-{
-    if (!kernel->pieces.count || kernel->fourth_order) return false;
-    if (kernel->gradient.count) return true;
-    if (sphv_exact_pieces_copy(&kernel->gradient, &kernel->pieces, 0, NULL) != SPHV_OK)
-        return false;
-    mpq_t power;
-    mpq_init(power);
-    for (int i = 0; i < kernel->gradient.count; i++) {
-        sphv_polynomial *p = &kernel->gradient.polynomial[i];
-        for (int k = 0; k < p->degree; k++) {
-            mpq_set_si(power, k + 1, 1);
-            mpq_mul(p->coefficient[k], p->coefficient[k + 1], power);
-        }
-        mpq_set_ui(p->coefficient[p->degree], 0, 1);
-    }
-    mpq_clear(power);
-    return true;
-}
-
 static sphv_application scale_gradient(sphv_kernel *kernel, int variant, long numerator,
                                        unsigned long denominator)
 {
-    if (variant || !give_gradient(kernel)) return SPHV_NO_MORE;
+    if (variant || !sphv_defect_give_gradient(kernel)) return SPHV_NO_MORE;
     mpq_t factor;
     mpq_init(factor);
     mpq_set_si(factor, numerator, denominator);
@@ -275,7 +249,7 @@ static sphv_application gradient_chain_rule(sphv_kernel *kernel, int variant)
 
 static sphv_application gradient_lacks_q(sphv_kernel *kernel, int variant)
 {
-    if (variant || !give_gradient(kernel)) return SPHV_NO_MORE;
+    if (variant || !sphv_defect_give_gradient(kernel)) return SPHV_NO_MORE;
     for (int i = 0; i < kernel->gradient.count; i++) // w′/q must be a polynomial
         if (mpq_sgn(kernel->gradient.polynomial[i].coefficient[0]) != 0) return SPHV_NO_MORE;
     for (int i = 0; i < kernel->gradient.count; i++) {
@@ -287,7 +261,7 @@ static sphv_application gradient_lacks_q(sphv_kernel *kernel, int variant)
 
 static sphv_application gradient_extra_q(sphv_kernel *kernel, int variant)
 {
-    if (variant || !give_gradient(kernel)) return SPHV_NO_MORE;
+    if (variant || !sphv_defect_give_gradient(kernel)) return SPHV_NO_MORE;
     // The derivative leaves the highest coefficient free.
     for (int i = 0; i < kernel->gradient.count; i++) {
         sphv_polynomial *p = &kernel->gradient.polynomial[i];
@@ -299,7 +273,7 @@ static sphv_application gradient_extra_q(sphv_kernel *kernel, int variant)
 
 static sphv_application gradient_is_value(sphv_kernel *kernel, int variant)
 {
-    if (variant || !give_gradient(kernel)) return SPHV_NO_MORE;
+    if (variant || !sphv_defect_give_gradient(kernel)) return SPHV_NO_MORE;
     sphv_exact_pieces_free(&kernel->gradient);
     return sphv_exact_pieces_copy(&kernel->gradient, &kernel->pieces, 0, NULL) == SPHV_OK
                ? SPHV_APPLIED
@@ -318,7 +292,7 @@ static mpq_t *gradient_coefficient(sphv_kernel *kernel, int index)
 
 static sphv_application gradient_coefficient_off(sphv_kernel *kernel, int variant)
 {
-    if (!give_gradient(kernel)) return SPHV_NO_MORE;
+    if (!sphv_defect_give_gradient(kernel)) return SPHV_NO_MORE;
     mpq_t *c = gradient_coefficient(kernel, variant), factor;
     if (!c) return SPHV_NO_MORE;
     mpq_init(factor);
@@ -330,7 +304,8 @@ static sphv_application gradient_coefficient_off(sphv_kernel *kernel, int varian
 
 static sphv_application gradient_piece_lost(sphv_kernel *kernel, int variant)
 {
-    if (!give_gradient(kernel) || variant >= kernel->gradient.count) return SPHV_NO_MORE;
+    if (!sphv_defect_give_gradient(kernel) || variant >= kernel->gradient.count)
+        return SPHV_NO_MORE;
     sphv_polynomial *p = &kernel->gradient.polynomial[variant];
     for (int k = 0; k <= p->degree; k++) mpq_set_ui(p->coefficient[k], 0, 1);
     return SPHV_APPLIED;
@@ -338,7 +313,7 @@ static sphv_application gradient_piece_lost(sphv_kernel *kernel, int variant)
 
 static sphv_application gradient_float(sphv_kernel *kernel, int variant)
 {
-    if (variant || !give_gradient(kernel)) return SPHV_NO_MORE;
+    if (variant || !sphv_defect_give_gradient(kernel)) return SPHV_NO_MORE;
     mpq_t *c;
     for (int i = 0; (c = gradient_coefficient(kernel, i)); i++) sphv_defect_round_to_float(*c);
     return SPHV_APPLIED;

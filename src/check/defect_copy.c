@@ -52,6 +52,26 @@ sphv_kernel *sphv_defect_copy(const sphv_kernel *from)
     return to;
 }
 
+bool sphv_defect_give_gradient(sphv_kernel *kernel)
+{
+    if (!kernel->pieces.count || kernel->fourth_order) return false;
+    if (kernel->gradient.count) return true;
+    if (sphv_exact_pieces_copy(&kernel->gradient, &kernel->pieces, 0, NULL) != SPHV_OK)
+        return false;
+    mpq_t power;
+    mpq_init(power);
+    for (int i = 0; i < kernel->gradient.count; i++) {
+        sphv_polynomial *p = &kernel->gradient.polynomial[i];
+        for (int k = 0; k < p->degree; k++) {
+            mpq_set_si(power, k + 1, 1);
+            mpq_mul(p->coefficient[k], p->coefficient[k + 1], power);
+        }
+        mpq_set_ui(p->coefficient[p->degree], 0, 1);
+    }
+    mpq_clear(power);
+    return true;
+}
+
 /// The value of pieces at q, zero beyond them.
 static void value_at(mpq_t out, const sphv_exact_pieces *pieces, const mpq_t q)
 {
@@ -103,6 +123,17 @@ static bool claims_differ(const int *a, const int *b)
     return (a == NULL) != (b == NULL) || (a && *a != *b);
 }
 
+/// A kernel without a gradient of its own stands for one with the right gradient.
+static bool gradient_differs(const sphv_kernel *a, const sphv_kernel *b)
+{
+    if (!b->gradient.count) return false;
+    sphv_kernel *with = sphv_defect_copy(a);
+    bool differs =
+        with && sphv_defect_give_gradient(with) && pieces_differ(&with->gradient, &b->gradient);
+    sphv_kernel_free(with);
+    return differs;
+}
+
 bool sphv_defect_changes(const sphv_kernel *a, const sphv_kernel *b)
 {
     for (int d = 0; d < SPHV_DIMENSIONS; d++)
@@ -115,7 +146,7 @@ bool sphv_defect_changes(const sphv_kernel *a, const sphv_kernel *b)
            claims_differ(a->claims.non_negative, b->claims.non_negative) ||
            a->fourth_order != b->fourth_order || a->form.exponent != b->form.exponent ||
            a->support.value != b->support.value || pieces_differ(&a->pieces, &b->pieces) ||
-           (b->gradient.count && a->gradient.count && pieces_differ(&a->gradient, &b->gradient));
+           gradient_differs(a, b);
 }
 
 void sphv_defect_round(mpq_t value, int digits)

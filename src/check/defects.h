@@ -31,6 +31,10 @@ extern const sphv_defect sphv_shape_defects[], sphv_claim_defects[], sphv_gradie
 /// \return NULL without memory
 sphv_kernel *sphv_defect_copy(const sphv_kernel *kernel);
 
+/// Gives a kernel of pieces its right gradient, unless it has one.
+/// \return false when it has none to give
+bool sphv_defect_give_gradient(sphv_kernel *kernel);
+
 /// Do two kernels differ by more than rounding (1e-14 of the largest value, or a claim)?
 bool sphv_defect_changes(const sphv_kernel *sound, const sphv_kernel *faulty);
 

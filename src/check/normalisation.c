@@ -22,6 +22,7 @@ sphv_status sphv_check_dimension_legality(sphv_examination *of, int dimension, s
     if (!profile) {
         sphv_check_fail(result);
         sphv_check_cause(result, "%s", sphv_kernel_refusal(kernel, dimension));
+        sphv_check_name_shape_cause(of, result);
     }
     return SPHV_OK;
 }

@@ -11,8 +11,7 @@ enum { VARIANTS_MAX = 64, ROWS_MAX = 32 };
 struct outcome {
     int applied, unchanged, caught, named;
     int by[ROWS_MAX]; ///< how many were caught by each row of the table of checks
-    int by_loader;    ///< refused before anything was checked
-    char missed[120];
+    char missed[120], unnamed[120];
 };
 
 static const sphv_defect *const tables[] = {sphv_shape_defects, sphv_claim_defects,
@@ -61,7 +60,7 @@ static bool contains_any(const char *text, const char *words)
 }
 
 static void record(struct outcome *outcome, const sphv_check_report *report,
-                   const sphv_defect *defect)
+                   const sphv_defect *defect, int variant)
 {
     bool by[ROWS_MAX] = {false}, named = false;
     for (size_t i = 0; i < report->count; i++) {
@@ -72,6 +71,9 @@ static void record(struct outcome *outcome, const sphv_check_report *report,
     for (int i = 0; i < ROWS_MAX; i++) outcome->by[i] += by[i];
     outcome->caught++;
     outcome->named += named;
+    if (!named && !*outcome->unnamed)
+        snprintf(outcome->unnamed, sizeof outcome->unnamed, "%s variant %d", report->kernel,
+                 variant);
 }
 
 static sphv_status try_variant(const sphv_kernel *sound, const sphv_catalogue *catalogue,
@@ -89,22 +91,16 @@ static sphv_status try_variant(const sphv_kernel *sound, const sphv_catalogue *c
         sphv_check_options options = {.quick = true, .reference = catalogue};
         sphv_check_report report;
         outcome->applied++;
+        // One that no dimension can normalise is checked all the same, as the command does.
         status = sphv_kernel_compile(faulty, error);
-        if (status == SPHV_OK) {
+        if (status != SPHV_RESOURCE_FAILURE)
             status = sphv_check_kernel(faulty, &options, &report, error);
-            if (status == SPHV_OK && report.verdict != SPHV_AGREES)
-                record(outcome, &report, defect);
-            else if (status == SPHV_OK && !*outcome->missed)
-                snprintf(outcome->missed, sizeof outcome->missed, "%s variant %d",
-                         sphv_kernel_name(sound), variant);
-            if (status == SPHV_OK) sphv_check_free(&report);
-        } else if (status == SPHV_INVALID_INPUT) {
-            // The loader refuses what cannot be normalised anywhere, and says so.
-            outcome->caught++;
-            outcome->named++;
-            outcome->by_loader++;
-            status = SPHV_OK;
-        }
+        if (status == SPHV_OK && report.verdict != SPHV_AGREES)
+            record(outcome, &report, defect, variant);
+        else if (status == SPHV_OK && !*outcome->missed)
+            snprintf(outcome->missed, sizeof outcome->missed, "%s variant %d",
+                     sphv_kernel_name(sound), variant);
+        if (status == SPHV_OK) sphv_check_free(&report);
     }
     sphv_kernel_free(faulty);
     return status;
@@ -131,19 +127,19 @@ static void append_check(sphv_defect_tally *tally, const char *id, int count)
 /// Adds up the outcomes over kernels, most frequent check first.
 static void tally_up(sphv_defect_tally *tally, const struct outcome *outcomes, size_t kernels)
 {
-    int by[ROWS_MAX] = {0}, by_loader = 0;
+    int by[ROWS_MAX] = {0};
     for (size_t k = 0; k < kernels; k++) {
         const struct outcome *outcome = &outcomes[k];
         tally->applied += outcome->applied;
         tally->unchanged += outcome->unchanged;
         tally->caught += outcome->caught;
         tally->named += outcome->named;
-        by_loader += outcome->by_loader;
         for (int i = 0; i < ROWS_MAX; i++) by[i] += outcome->by[i];
         if (*outcome->missed && !*tally->missed)
             snprintf(tally->missed, sizeof tally->missed, "%s", outcome->missed);
+        if (*outcome->unnamed && !*tally->unnamed)
+            snprintf(tally->unnamed, sizeof tally->unnamed, "%s", outcome->unnamed);
     }
-    append_check(tally, "loader", by_loader);
     for (;;) {
         int most = 0;
         for (int i = 1; i < ROWS_MAX; i++)

@@ -152,10 +152,11 @@ json_t *sphv_self_test_json(const sphv_self_test *test)
     for (size_t i = 0; i < test->count; i++) {
         const sphv_defect_tally *tally = &test->defects[i];
         json_array_append_new(
-            defects, json_pack("{s:s, s:s, s:i, s:i, s:i, s:i, s:s, s:s}", "id", tally->id,
-                               "defect", tally->meaning, "applied", tally->applied, "unchanged",
-                               tally->unchanged, "caught", tally->caught, "cause_named",
-                               tally->named, "checks", tally->checks, "missed", tally->missed));
+            defects,
+            json_pack("{s:s, s:s, s:i, s:i, s:i, s:i, s:s, s:s, s:s}", "id", tally->id, "defect",
+                      tally->meaning, "applied", tally->applied, "unchanged", tally->unchanged,
+                      "caught", tally->caught, "cause_named", tally->named, "checks", tally->checks,
+                      "missed", tally->missed, "unnamed", tally->unnamed));
     }
     return json_pack("{s:s, s:i, s:i, s:s, s:o, s:o}", "verdict", sphv_verdict_name(test->verdict),
                      "kernels", test->kernels, "false_alarms", test->false_alarms, "first_alarm",
@@ -171,6 +172,7 @@ void sphv_self_test_print(FILE *stream, const sphv_self_test *test)
         const sphv_defect_tally *tally = &test->defects[i];
         fprintf(stream, "%-22s %7d %6d %6d %9d  %s\n", tally->id, tally->applied, tally->caught,
                 tally->named, tally->unchanged, tally->checks);
+        if (*tally->unnamed) fprintf(stream, "%-22s not named: %s\n", "", tally->unnamed);
         if (*tally->missed) fprintf(stream, "%-22s missed: %s\n", "", tally->missed);
         applied += tally->applied;
         caught += tally->caught;
