@@ -30,6 +30,7 @@ typedef struct sphv_check_result {
 typedef struct sphv_check_report {
     char kernel[72], title[208], path[400];
     sphv_verdict verdict; ///< the worst of all results
+    char cause[400];      ///< the likely cause of a failure, the most telling one; "" without one
     size_t count, capacity;
     sphv_check_result *results;
     double seconds;

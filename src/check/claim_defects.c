@@ -206,7 +206,7 @@ const sphv_defect sphv_claim_defects[] = {
      constant_too_small},
     {"constant-dimension", "constant of another dimension", "D constant",
      constant_of_other_dimension},
-    {"constant-pi", "a factor pi left out", "pi", constant_without_pi},
+    {"constant-pi", "a factor pi left out", "pi|D constant", constant_without_pi},
     {"constant-half-line", "constant twice too large", "twice|constant", constant_doubled},
     {"constant-sign", "constant with the wrong sign", "sign", constant_sign},
     {"constant-renormalised", "truncated family with the constant of the truncated kernel",

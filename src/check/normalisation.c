@@ -224,6 +224,7 @@ static sphv_status check_integral(sphv_examination *of, int d, sphv_result whole
         sphv_check_claim(result, "∫W dV = 1%s",
                          of->kernel->claims.constant[d - 1] ? " with the claimed constant" : "");
     }
+    if (result->verdict == SPHV_DISAGREES) sphv_check_cause(result, "see normalisation");
     return SPHV_OK;
 }
 
