@@ -106,7 +106,11 @@ static void put_kernel_rows(FILE *stream, const sphv_rendering *rendering)
         sphv_html_verdict_cell(stream, facts->verdict);
         sphv_html_tally_cells(stream, facts->agreement ? facts->agreement->exact : none);
         sphv_html_tally_cells(stream, facts->agreement ? facts->agreement->paper : none);
-        fprintf(stream, "<td>%zu of %zu\n", facts->claims - facts->claims_refuted, facts->claims);
+        if (facts->check)
+            fprintf(stream, "<td>%zu of %zu\n", facts->checks_passed, facts->checks);
+        else
+            fprintf(stream, "<td>%zu of %zu\n", facts->claims - facts->claims_refuted,
+                    facts->claims);
     }
 }
 
@@ -130,10 +134,11 @@ static void put_scene_rows(FILE *stream, const sphv_rendering *rendering)
 static void put_verdicts(FILE *stream, const sphv_rendering *rendering)
 {
     static const char *const heads[] = {"Scene", "Kernel"};
-    static const char *const claims[] = {"Claims<br>as stated", "Claims<br>hold"};
+    const char *const claims[] = {
+        "Claims<br>as stated", rendering->report->checks ? "Checks<br>passed" : "Claims<br>hold"};
     fputs("<section id=verdicts><h2>Verdicts</h2>\n"
           "<p>Points at which theory and measurement agree, disagree, or at which the bounds are "
-          "too wide to tell. The verdict is that of the exact form and of the claims; the "
+          "too wide to tell. The verdict is that of the exact form, the claims and the checks; the "
           "paper’s form is shown beside it and does not enter.</p>\n",
           stream);
     for (int kind = 0; kind < 2; kind++) {

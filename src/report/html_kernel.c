@@ -193,6 +193,48 @@ static void put_agreement(FILE *stream, const sphv_kernel_facts *facts)
     put_numbers(stream, facts->agreement);
 }
 
+static void put_check_rows(FILE *stream, const sphv_check_report *check, bool failures)
+{
+    static const char *const columns[] = {"Check",    "Dim.",  "Verdict",           "Worked out",
+                                          "Measured", "Bound", "Claim and remarks", NULL};
+    sphv_html_table_begin(stream, NULL, columns);
+    for (size_t i = 0; i < check->count; i++) {
+        const sphv_check_result *result = &check->results[i];
+        if (failures && result->verdict == SPHV_AGREES) continue;
+        sphv_html_row_begin(stream, result->id);
+        if (result->dimension)
+            fprintf(stream, "<td>%dD", result->dimension);
+        else
+            fputs("<td>all", stream);
+        if (result->informative && result->verdict == SPHV_AGREES)
+            fputs("<td>stated", stream);
+        else
+            sphv_html_verdict_cell(stream, result->verdict);
+        sphv_html_number_cell(stream, result->analytic, 8);
+        sphv_html_number_cell(stream, result->empirical, 8);
+        sphv_html_number_cell(stream, result->bound, 2);
+        sphv_html_text_cell(stream, result->claim);
+        if (*result->cause) {
+            fputs("; ", stream);
+            sphv_put_html(stream, result->cause);
+        }
+        fputc('\n', stream);
+    }
+    sphv_html_table_end(stream);
+}
+
+/// What failed is shown at once, the rest on request.
+static void put_checks(FILE *stream, const sphv_kernel_facts *facts)
+{
+    if (!facts->check) return;
+    fprintf(stream, "<h4>Checks</h4>\n<p>%zu of %zu passed.</p>\n", facts->checks_passed,
+            facts->checks);
+    if (facts->checks_passed < facts->checks) put_check_rows(stream, facts->check, true);
+    fputs("<details><summary>All checks</summary>\n", stream);
+    put_check_rows(stream, facts->check, false);
+    fputs("</details>\n", stream);
+}
+
 void sphv_html_kernel(FILE *stream, const sphv_rendering *rendering, size_t index)
 {
     const sphv_kernel_facts *facts = &rendering->facts[index];
@@ -209,6 +251,7 @@ void sphv_html_kernel(FILE *stream, const sphv_rendering *rendering, size_t inde
     sphv_html_figure(stream, rendering, rendering->kernel_plots[index],
                      "The kernel with its derivatives, and its Fourier transform relative to its "
                      "integral, linear and logarithmic; where it is negative, particles can pair.");
+    put_checks(stream, facts);
     put_agreement(stream, facts);
     fputs("</article>\n", stream);
 }

@@ -269,12 +269,17 @@ static void pages_make(struct pages *pages, struct stage *stage)
     assert_ok(kernel_from_text(hostile_kernel, &kernels[2], &error), error);
     for (int i = 1; i < 3; i++)
         assert_ok(sphv_agreement_run(kernels[i], &agreements[i], &error), error);
+    sphv_check_report checks[3];
+    sphv_check_options options = {0};
+    for (int i = 0; i < 3; i++)
+        assert_ok(sphv_check_kernel(kernels[i], &options, &checks[i], &error), error);
     stage_make(stage, SPHV_OVER_H, NASTY);
     sphv_scene_result *scenes[] = {stage->result};
     sphv_report report = {.kernel_count = 3,
                           .scene_count = 1,
                           .kernels = kernels,
                           .agreements = agreements,
+                          .checks = checks,
                           .scenes = scenes,
                           .verdict = SPHV_AGREES,
                           .seconds = 1.5};
@@ -288,6 +293,7 @@ static void pages_make(struct pages *pages, struct stage *stage)
     if (!pages->json) fail_msg("report.json:%d: %s", reason.line, reason.text);
     free(text);
     for (int i = 0; i < 3; i++) {
+        sphv_check_free(&checks[i]);
         sphv_agreement_free(agreements[i]);
         sphv_kernel_free(kernels[i]);
     }
@@ -379,6 +385,17 @@ static void false_claims_show_as_such(void **state)
     assert_non_null(json_object_get(json_object_get(hostile, "refused"), "3"));
     assert_non_null(strstr(pages.html, "4 claimed: <span class=\"v disagrees\">"));
     assert_true(json_is_null(json_object_get(json_array_get(kernels, 0), "agreement")));
+    const json_t *check;
+    size_t i, failed = 0;
+    json_array_foreach(json_object_get(hostile, "checks"), i, check)
+    {
+        if (strcmp(string_at(check, "verdict"), "disagrees") != 0) continue;
+        failed++;
+        // Each is named on the page before the details, and in the Markdown.
+        assert_non_null(strstr(strstr(pages.html, "kernel-2\"><h3>"), string_at(check, "id")));
+    }
+    assert_true(failed >= 2);
+    assert_true(count(pages.markdown, "- **disagrees** ") >= failed);
     pages_free(&pages, &stage);
 }
 
