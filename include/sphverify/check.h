@@ -30,6 +30,7 @@ typedef struct sphv_check_result {
 typedef struct sphv_check_report {
     char kernel[72], title[208], path[400];
     sphv_verdict verdict; ///< the worst of all results
+    char cause[400];      ///< the likely cause of a failure, the most telling one; "" without one
     size_t count, capacity;
     sphv_check_result *results;
     double seconds;
@@ -70,9 +71,10 @@ typedef struct sphv_defect_tally {
     int applied;   ///< variants made that differ from the kernel beyond rounding
     int unchanged; ///< variants that rounding hides (a coefficient 3/4 rounded to three digits)
     int caught;
-    int named;        ///< of those, variants whose cause was named too
-    char checks[200]; ///< ids of the checks that caught it, by frequency, with counts
-    char missed[200]; ///< the first variants that were not caught
+    int named;         ///< of those, variants whose cause was named too
+    char checks[200];  ///< ids of the checks that caught it, by frequency, with counts
+    char missed[200];  ///< the first variant that was not caught; "" when there is none
+    char unnamed[200]; ///< the first one whose cause was not named
 } sphv_defect_tally;
 
 typedef struct sphv_self_test {

@@ -57,7 +57,9 @@ typedef struct sphv_piece {
     int centres;               ///< number of expansions
     double per_length;         ///< expansions per unit of q
     const sphv_number *centre; ///< about which each is made; the ends exactly
-    const double *taylor;      ///< degree + 1 coefficients for each centre, ascending powers
+    /// For each centre degree + 1 coefficients, ascending powers, then degree + 1 weights: the
+    /// rounding of the value is at most u Σ weight[i] |q − centre|^i.
+    const double *taylor;
     const int *serving;        ///< [k]: the expansion used where the k-th centre is nearest
     double *derivative_bound;  ///< [n] ≥ sup |Ŵ^(n)|/n! on the piece, n = 0 … SPHV_JET_MAX
 } sphv_piece;

@@ -5,6 +5,7 @@
 
 #include <stdio.h>
 
+#include "sphverify/check.h"
 #include "sphverify/scene.h"
 
 /// A file written under a temporary name beside its final one, so that a failure leaves nothing
@@ -25,12 +26,12 @@ void sphv_output_discard(sphv_output_file *file);
 /// Draws a scene with gnuplot, run as a child: analytic as points, empirical as curves.
 /// \param svg  receives the SVG text, for the caller to free
 /// \return SPHV_RESOURCE_FAILURE when gnuplot is missing or fails
-sphv_status sphv_plot_scene(const sphv_scene_result *result, char **svg, sphv_error *error)
-    SPHV_MUST_CHECK;
+sphv_status sphv_plot_scene(const sphv_scene_result *result, char **svg,
+                            sphv_error *error) SPHV_MUST_CHECK;
 
 /// Draws a kernel: Ŵ, Ŵ′ and Ŵ″ over q, and its Fourier transform.
-sphv_status sphv_plot_kernel(const sphv_kernel *kernel, char **svg, sphv_error *error)
-    SPHV_MUST_CHECK;
+sphv_status sphv_plot_kernel(const sphv_kernel *kernel, char **svg,
+                             sphv_error *error) SPHV_MUST_CHECK;
 
 /// Writes the points of a scene as CSV, 17 significant digits.
 void sphv_scene_csv(FILE *stream, const sphv_scene_result *result);
@@ -39,7 +40,8 @@ void sphv_scene_csv(FILE *stream, const sphv_scene_result *result);
 typedef struct sphv_report {
     size_t kernel_count, scene_count;
     sphv_kernel **kernels;
-    sphv_agreement **agreements;   ///< per kernel, NULL where it is not legal in one dimension
+    sphv_agreement **agreements;     ///< per kernel, NULL where it is not legal in one dimension
+    sphv_check_report *checks; ///< per kernel; NULL when the kernels were not checked
     sphv_scene_result **scenes;
     sphv_verdict verdict;
     double seconds;
@@ -47,7 +49,7 @@ typedef struct sphv_report {
 
 /// Writes index.html, report.json and report.md into a directory.
 /// \param plots_missing receives whether gnuplot was missing; the report then says so
-sphv_status sphv_report_write(const sphv_report *report, const char *directory,
-                              bool *plots_missing, sphv_error *error) SPHV_MUST_CHECK;
+sphv_status sphv_report_write(const sphv_report *report, const char *directory, bool *plots_missing,
+                              sphv_error *error) SPHV_MUST_CHECK;
 
 #endif

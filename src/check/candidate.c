@@ -70,17 +70,21 @@ static bool constant_fits(const sphv_kernel *kernel, const sphv_exact_pieces *pi
     return fabs((double)(claimed / (long double)found - 1)) < 1e-13;
 }
 
-bool sphv_candidate_fits(const sphv_kernel *kernel, const sphv_exact_pieces *pieces)
+bool sphv_candidate_fits(const sphv_kernel *kernel, const sphv_exact_pieces *pieces, int *suspect)
 {
     const int *beta = kernel->claims.boundary_smoothness;
     int edge = beta && *beta >= 0 && *beta <= SPHV_DEGREE_MAX ? *beta + 1 : 2;
-    for (int i = 0; i < pieces->count; i++)
-        if (!smooth_below(pieces, i, i + 1 < pieces->count ? (edge < 2 ? edge : 2) : edge))
+    int inside = edge < 2 ? edge : 2, last = pieces->count - 1, first = *suspect;
+    if (first <= last && !smooth_below(pieces, first, first < last ? inside : edge)) return false;
+    for (int i = 0; i <= last; i++)
+        if (!smooth_below(pieces, i, i < last ? inside : edge)) {
+            *suspect = i;
             return false;
-    if (beta && smooth_below(pieces, pieces->count - 1, edge + 1)) return false;
+        }
+    if (beta && smooth_below(pieces, last, edge + 1)) return false;
     for (int d = 1; d <= SPHV_DIMENSIONS; d++)
         if (kernel->claims.constant[d - 1] && kernel->declared[d - 1] &&
-            !kernel->refusal[d - 1][0] && !constant_fits(kernel, pieces, d))
+            !constant_fits(kernel, pieces, d))
             return false;
     return true;
 }

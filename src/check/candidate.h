@@ -8,7 +8,8 @@
 /// Does the shape meet everything that is claimed or required: value and slope continuous inside
 /// and zero at κ, β as claimed, and every claimed constant right to 1e-13?
 /// \param kernel  whose claims, support and transform apply
-bool sphv_candidate_fits(const sphv_kernel *kernel, const sphv_exact_pieces *pieces);
+/// \param suspect the knot to look at first; receives the one that failed
+bool sphv_candidate_fits(const sphv_kernel *kernel, const sphv_exact_pieces *pieces, int *suspect);
 
 /// Does a file give enough to tell a right repair from a lucky one?
 bool sphv_candidate_decidable(const sphv_kernel *kernel);

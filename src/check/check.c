@@ -230,6 +230,19 @@ static void begin(sphv_examination *of, const sphv_kernel *kernel, sphv_check_re
     of->shape_varies = shape_varies(kernel);
 }
 
+/// The worst verdict, and the cause that tells most: a repair that fits, else the first one named.
+static void conclude(sphv_examination *of)
+{
+    sphv_check_report *report = of->report;
+    if (*of->repair) snprintf(report->cause, sizeof report->cause, "%s", of->repair);
+    for (size_t i = 0; i < report->count; i++) {
+        const sphv_check_result *result = &report->results[i];
+        report->verdict = sphv_verdict_worse(report->verdict, result->verdict);
+        if (result->verdict != SPHV_AGREES && !*report->cause)
+            snprintf(report->cause, sizeof report->cause, "%s", result->cause);
+    }
+}
+
 static double now(void)
 {
     struct timespec t;
@@ -258,8 +271,7 @@ sphv_status sphv_check_kernel(const sphv_kernel *kernel, const sphv_check_option
         sphv_check_free(out);
         return status;
     }
-    for (size_t i = 0; i < out->count; i++)
-        out->verdict = sphv_verdict_worse(out->verdict, out->results[i].verdict);
+    conclude(&of);
     out->seconds = now() - start;
     return SPHV_OK;
 }

@@ -22,6 +22,7 @@ sphv_status sphv_check_dimension_legality(sphv_examination *of, int dimension, s
     if (!profile) {
         sphv_check_fail(result);
         sphv_check_cause(result, "%s", sphv_kernel_refusal(kernel, dimension));
+        sphv_check_name_shape_cause(of, result);
     }
     return SPHV_OK;
 }
@@ -223,6 +224,7 @@ static sphv_status check_integral(sphv_examination *of, int d, sphv_result whole
         sphv_check_claim(result, "∫W dV = 1%s",
                          of->kernel->claims.constant[d - 1] ? " with the claimed constant" : "");
     }
+    if (result->verdict == SPHV_DISAGREES) sphv_check_cause(result, "see normalisation");
     return SPHV_OK;
 }
 

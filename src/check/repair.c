@@ -15,11 +15,17 @@ struct search {
     sphv_exact_pieces trial;
     char *text;
     size_t size;
+    int suspect; ///< the knot at which the last candidate failed, looked at first
+    int tries;
 };
 
-static bool fits(const struct search *search)
+/// A file of 32 pieces of degree 40 has millions of candidates; so many are tried.
+enum { TRIES_MAX = 20000 };
+
+static bool fits(struct search *search)
 {
-    return sphv_candidate_fits(search->kernel, &search->trial);
+    return ++search->tries <= TRIES_MAX &&
+           sphv_candidate_fits(search->kernel, &search->trial, &search->suspect);
 }
 
 static int terms(const struct search *search, int piece)
@@ -492,6 +498,21 @@ static int differing_coefficients(const sphv_kernel *kernel, const sphv_kernel *
     return different;
 }
 
+/// Are these the coefficients of a known kernel, each to 1 %, but not exact?
+static bool rounded_from(const sphv_kernel *kernel, const sphv_kernel *known)
+{
+    for (int i = 0; i < kernel->pieces.count; i++) {
+        const sphv_polynomial *p = &kernel->pieces.polynomial[i];
+        const sphv_polynomial *r = &known->pieces.polynomial[i];
+        if (p->degree != r->degree) return false;
+        for (int k = 0; k <= p->degree; k++) {
+            double given = mpq_get_d(p->coefficient[k]), right = mpq_get_d(r->coefficient[k]);
+            if (fabs(given - right) > 0.01 * fabs(right)) return false;
+        }
+    }
+    return true;
+}
+
 static int all_coefficients(const sphv_exact_pieces *pieces)
 {
     int count = 0;
@@ -507,15 +528,23 @@ static void name_resemblance(sphv_examination *of)
     const sphv_catalogue *reference = of->options->reference;
     int fewest = 1000, piece = 0, power = 0;
     const sphv_kernel *nearest = NULL;
-    for (size_t i = 0; reference && i < reference->count; i++) {
+    bool rounded = false;
+    for (size_t i = 0; !rounded && reference && i < reference->count; i++) {
         int at_piece = 0, at_power = 0;
         int different =
             differing_coefficients(of->kernel, reference->kernels[i], &at_piece, &at_power);
-        if (different <= 0 || different >= fewest) continue;
+        rounded = different > 1 && rounded_from(of->kernel, reference->kernels[i]);
+        if (!rounded && (different <= 0 || different >= fewest)) continue;
         fewest = different;
         nearest = reference->kernels[i];
         piece = at_piece;
         power = at_power;
+    }
+    if (rounded) {
+        snprintf(of->repair, sizeof of->repair,
+                 "these are the coefficients of %s, %d of them rounded; write them exactly",
+                 sphv_kernel_name(nearest), fewest);
+        return;
     }
     if (!nearest || 2 * fewest > all_coefficients(&nearest->pieces)) return;
     char known[48] = "0";
@@ -528,7 +557,7 @@ static void name_resemblance(sphv_examination *of)
 
 static void seek(sphv_examination *of)
 {
-    struct search search = {of->kernel, {0, NULL, NULL}, of->repair, sizeof of->repair};
+    struct search search = {of->kernel, {0, NULL, NULL}, of->repair, sizeof of->repair, 0, 0};
     if (sphv_exact_pieces_copy(&search.trial, &of->kernel->pieces, 0, NULL) != SPHV_OK) return;
     if (sphv_candidate_decidable(of->kernel) && !fits(&search))
         for (size_t i = 0; !*of->repair && i < sizeof slips / sizeof *slips; i++) slips[i](&search);

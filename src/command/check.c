@@ -5,6 +5,7 @@
 #include "check_output.h"
 #include "command.h"
 #include "core/directory.h"
+#include "core/kernel_internal.h"
 #include "point_options.h"
 #include "sphverify/report.h"
 
@@ -84,8 +85,11 @@ static void check_one(struct session *session, const char *name, bool first)
     sphv_kernel *kernel = NULL;
     sphv_check_report report;
     const char *directory = sphv_argument(session->arguments, "output");
-    sphv_status status =
-        sphv_catalogue_find(session->arguments->data_directory, name, &kernel, &error);
+    char *path = NULL;
+    sphv_status status = sphv_file_find(session->arguments->data_directory, "kernels", ".yaml",
+                                        "kernel", name, &path, &error);
+    if (status == SPHV_OK) status = sphv_kernel_load_any(path, &kernel, &error);
+    free(path);
     if (status == SPHV_OK) status = sphv_check_kernel(kernel, &session->options, &report, &error);
     sphv_kernel_free(kernel);
     if (status != SPHV_OK) {

@@ -39,9 +39,10 @@ json_t *sphv_check_json(const sphv_check_report *report)
     json_t *checks = json_array();
     for (size_t i = 0; i < report->count; i++)
         json_array_append_new(checks, result_json(&report->results[i]));
-    return json_pack("{s:o, s:o, s:o, s:s, s:o, s:o}", "kernel", text_json(report->kernel), "title",
-                     text_json(report->title), "path", text_json(report->path), "verdict",
-                     sphv_verdict_name(report->verdict), "seconds",
+    return json_pack("{s:o, s:o, s:o, s:s, s:o, s:o, s:o}", "kernel", text_json(report->kernel),
+                     "title", text_json(report->title), "path", text_json(report->path), "verdict",
+                     sphv_verdict_name(report->verdict), "cause",
+                     *report->cause ? text_json(report->cause) : json_null(), "seconds",
                      sphv_json_number(report->seconds), "checks", checks);
 }
 
@@ -118,6 +119,11 @@ void sphv_check_print_text(FILE *stream, const sphv_check_report *report)
             fprintf(stream, "%s%s (%s)", named++ ? ", " : ": ", report->results[i].id,
                     dimension_text(report->results[i].dimension));
     fprintf(stream, " (%.2f s)\n", report->seconds);
+    if (*report->cause) {
+        fputs("likely cause: ", stream);
+        put_padded(stream, report->cause, 0);
+        fputc('\n', stream);
+    }
 }
 
 void sphv_check_print_markdown(FILE *stream, const sphv_check_report *report)
@@ -127,6 +133,11 @@ void sphv_check_print_markdown(FILE *stream, const sphv_check_report *report)
     fputs(": ", stream);
     sphv_put_markdown(stream, report->title);
     fprintf(stream, "\n\nVerdict: **%s**\n\n", sphv_verdict_name(report->verdict));
+    if (*report->cause) {
+        fputs("Likely cause: ", stream);
+        sphv_put_markdown(stream, report->cause);
+        fputs("\n\n", stream);
+    }
     fputs(
         "| Check | Dimension | Claim | Claimed | Analytic | Measured | Bound | Verdict | Cause or "
         "remark |\n|---|---|---|---|---|---|---|---|---|\n",
@@ -152,10 +163,11 @@ json_t *sphv_self_test_json(const sphv_self_test *test)
     for (size_t i = 0; i < test->count; i++) {
         const sphv_defect_tally *tally = &test->defects[i];
         json_array_append_new(
-            defects, json_pack("{s:s, s:s, s:i, s:i, s:i, s:i, s:s, s:s}", "id", tally->id,
-                               "defect", tally->meaning, "applied", tally->applied, "unchanged",
-                               tally->unchanged, "caught", tally->caught, "cause_named",
-                               tally->named, "checks", tally->checks, "missed", tally->missed));
+            defects,
+            json_pack("{s:s, s:s, s:i, s:i, s:i, s:i, s:s, s:s, s:s}", "id", tally->id, "defect",
+                      tally->meaning, "applied", tally->applied, "unchanged", tally->unchanged,
+                      "caught", tally->caught, "cause_named", tally->named, "checks", tally->checks,
+                      "missed", tally->missed, "unnamed", tally->unnamed));
     }
     return json_pack("{s:s, s:i, s:i, s:s, s:o, s:o}", "verdict", sphv_verdict_name(test->verdict),
                      "kernels", test->kernels, "false_alarms", test->false_alarms, "first_alarm",
@@ -171,6 +183,7 @@ void sphv_self_test_print(FILE *stream, const sphv_self_test *test)
         const sphv_defect_tally *tally = &test->defects[i];
         fprintf(stream, "%-22s %7d %6d %6d %9d  %s\n", tally->id, tally->applied, tally->caught,
                 tally->named, tally->unchanged, tally->checks);
+        if (*tally->unnamed) fprintf(stream, "%-22s not named: %s\n", "", tally->unnamed);
         if (*tally->missed) fprintf(stream, "%-22s missed: %s\n", "", tally->missed);
         applied += tally->applied;
         caught += tally->caught;

@@ -10,6 +10,17 @@
 /// Share of the work that the kernels' agreement tables take, for the progress bar.
 static const double kernel_share = 0.3;
 
+static sphv_status check_kernel(const sphv_catalogue *catalogue, size_t i, sphv_report *report,
+                                sphv_error *error)
+{
+    sphv_check_options options = {.reference = catalogue};
+    sphv_status status =
+        sphv_check_kernel(catalogue->kernels[i], &options, &report->checks[i], error);
+    if (status == SPHV_OK)
+        report->verdict = sphv_verdict_worse(report->verdict, report->checks[i].verdict);
+    return status;
+}
+
 static sphv_status run_kernels(const sphv_arguments *arguments, sphv_catalogue *catalogue,
                                sphv_report *report, sphv_error *error)
 {
@@ -18,10 +29,13 @@ static sphv_status run_kernels(const sphv_arguments *arguments, sphv_catalogue *
     report->kernel_count = catalogue->count;
     report->kernels = catalogue->kernels;
     report->agreements = calloc(catalogue->count + 1, sizeof *report->agreements);
-    if (!report->agreements) return sphv_fail(error, SPHV_RESOURCE_FAILURE, "out of memory");
+    report->checks = calloc(catalogue->count + 1, sizeof *report->checks);
+    if (!report->agreements || !report->checks)
+        return sphv_fail(error, SPHV_RESOURCE_FAILURE, "out of memory");
     for (size_t i = 0; status == SPHV_OK && i < catalogue->count; i++) {
         sphv_progress_bar("kernels", kernel_share * (double)i / (double)catalogue->count);
-        if (!sphv_kernel_profile(catalogue->kernels[i], 1)) continue;
+        status = check_kernel(catalogue, i, report, error);
+        if (status != SPHV_OK || !sphv_kernel_profile(catalogue->kernels[i], 1)) continue;
         status = sphv_agreement_run(catalogue->kernels[i], &report->agreements[i], error);
         if (status != SPHV_OK) break;
         const sphv_agreement *agreement = report->agreements[i];
@@ -56,11 +70,14 @@ static void free_report(sphv_report *report, sphv_catalogue *catalogue, sphv_sce
 {
     for (size_t i = 0; report->agreements && i < catalogue->count; i++)
         sphv_agreement_free(report->agreements[i]);
+    for (size_t i = 0; report->checks && i < catalogue->count; i++)
+        sphv_check_free(&report->checks[i]);
     for (size_t i = 0; i < files->count; i++) {
         if (report->scenes) sphv_scene_result_free(report->scenes[i]);
         if (scenes) sphv_scene_free(scenes[i]);
     }
     free(report->agreements);
+    free(report->checks);
     free(report->scenes);
     sphv_catalogue_free(catalogue);
 }
@@ -70,11 +87,10 @@ static void print_summary(const sphv_arguments *arguments, const sphv_report *re
 {
     json_t *files = json_pack("[s+, s+, s+]", directory, "/index.html", directory, "/report.json",
                               directory, "/report.md");
-    json_t *summary = json_pack("{s:s, s:I, s:I, s:b, s:o, s:o}", "verdict",
-                                sphv_verdict_name(report->verdict), "kernels",
-                                (json_int_t)report->kernel_count, "scenes",
-                                (json_int_t)report->scene_count, "plots", !plots_missing, "seconds",
-                                sphv_json_number(report->seconds), "files", files);
+    json_t *summary = json_pack(
+        "{s:s, s:I, s:I, s:b, s:o, s:o}", "verdict", sphv_verdict_name(report->verdict), "kernels",
+        (json_int_t)report->kernel_count, "scenes", (json_int_t)report->scene_count, "plots",
+        !plots_missing, "seconds", sphv_json_number(report->seconds), "files", files);
     if (arguments->format == SPHV_FORMAT_TEXT) {
         printf("%s: %zu kernels and %zu scenes (%.1f s)\n%s/index.html\n",
                sphv_verdict_name(report->verdict), report->kernel_count, report->scene_count,

@@ -94,6 +94,14 @@ static void round_row(double *row, const sphv_polynomial *p, bool over_pi)
     for (int i = 0; i <= p->degree; i++) row[i] = sphv_rational_over_pi(p->coefficient[i], over_pi);
 }
 
+/// How many units of u |t|^i the value may be wrong by. In Horner's rule the i-th coefficient meets
+/// i products and i + 1 sums; it carries one rounding of its own and i times two of the offset: 4i
+/// + 2. The same holds for its part in every derivative.
+static void weigh_row(double *row, int degree)
+{
+    for (int i = 0; i <= degree; i++) row[degree + 1 + i] = (4 * i + 2) * fabs(row[i]);
+}
+
 /// The expansions between the ends, about binary fractions near equally spaced places.
 static bool fill_middle(sphv_piece *piece, const sphv_polynomial *p, bool over_pi, double *taylor,
                         sphv_number *centre)
@@ -117,7 +125,7 @@ static bool fill_middle(sphv_piece *piece, const sphv_polynomial *p, bool over_p
         dyadic_shift(&d, move);
         for (int i = 0; i <= p->degree; i++) {
             dyadic_coefficient(coefficient, &d, i);
-            taylor[k * (p->degree + 1) + i] = sphv_rational_over_pi(coefficient, over_pi);
+            taylor[k * 2 * (p->degree + 1) + i] = sphv_rational_over_pi(coefficient, over_pi);
         }
     }
     mpq_clear(coefficient);
@@ -148,9 +156,9 @@ static void choose_serving(const sphv_piece *piece, int *serving)
 {
     int degree = piece->degree, last = piece->centres - 1;
     double radius = 0.5 / piece->per_length;
-    const double *edge = piece->taylor + last * (degree + 1);
+    const double *edge = piece->taylor + last * 2 * (degree + 1);
     for (int k = 0; k <= last; k++) {
-        const double *own = piece->taylor + k * (degree + 1);
+        const double *own = piece->taylor + k * 2 * (degree + 1);
         double far = piece->outer - piece->centre[k].value + radius, near = far - 2 * radius;
         double own_size = magnitude(own, degree, radius);
         double at_far = fabs(value(own, degree, -radius)),
@@ -173,7 +181,7 @@ static void bound_derivatives(sphv_piece *piece)
     for (int n = 0; n <= SPHV_JET_MAX; n++) {
         double cells = 0, ends[2] = {0, 0};
         for (int k = 0; k <= last; k++) {
-            const double *c = piece->taylor + k * (degree + 1);
+            const double *c = piece->taylor + k * 2 * (degree + 1);
             double near = 0, whole = 0, power = 1, whole_power = 1, binomial = 1;
             for (int i = n; i <= degree; i++) {
                 near += binomial * power * fabs(c[i]);
@@ -197,7 +205,7 @@ sphv_status sphv_piece_expand(sphv_piece *piece, const sphv_exact_piece *exact, 
     double length = piece->outer - piece->inner;
     // A sliver of a piece has no room for centres that doubles can tell apart.
     if (!(length > 1e-6 * piece->outer)) centres = 2;
-    size_t width = (size_t)degree + 1;
+    size_t width = 2 * ((size_t)degree + 1);
     double *taylor = malloc((size_t)centres * width * sizeof *taylor);
     sphv_number *centre = malloc((size_t)centres * sizeof *centre);
     int *serving = malloc((size_t)centres * sizeof *serving);
@@ -216,6 +224,7 @@ sphv_status sphv_piece_expand(sphv_piece *piece, const sphv_exact_piece *exact, 
     round_row(taylor + (size_t)(centres - 1) * width, exact->about_outer, over_pi);
     if (centres > 2 && !fill_middle(piece, exact->polynomial, over_pi, taylor, centre))
         return sphv_fail(error, SPHV_RESOURCE_FAILURE, "out of memory");
+    for (int k = 0; k < centres; k++) weigh_row(taylor + (size_t)k * width, degree);
     choose_serving(piece, serving);
     bound_derivatives(piece);
     return SPHV_OK;
@@ -229,52 +238,52 @@ static const double *expansion_at(const sphv_piece *piece, double q, double *off
     double place = (q - piece->inner) * piece->per_length + 0.5;
     int k = piece->serving[!(place < last) ? last : place > 0 ? (int)place : 0];
     *offset = (q - piece->centre[k].value) - piece->centre[k].residual;
-    return piece->taylor + k * (piece->degree + 1);
+    return piece->taylor + k * 2 * (piece->degree + 1);
 }
 
-static sphv_result rounded(double sum, double errors)
+static sphv_result rounded(double sum, double roundings)
 {
-    return (sphv_result){sum, unit_roundoff * errors * slack + DBL_MIN};
+    return (sphv_result){sum, unit_roundoff * roundings * slack + DBL_MIN};
+}
+
+/// p(t), p′(t) and p″(t)/2 in one Horner pass.
+static inline void horner(const double *c, int degree, double t, double out[3])
+{
+    double value = c[degree], slope = 0, bend = 0;
+    for (int i = degree - 1; i >= 0; i--) {
+        bend = bend * t + slope;
+        slope = slope * t + value;
+        value = value * t + c[i];
+    }
+    out[0] = value;
+    out[1] = slope;
+    out[2] = bend;
 }
 
 void sphv_piece_values(const sphv_piece *piece, double q, sphv_result out[3])
 {
-    double t;
+    double t, sum[3], roundings[3];
     const double *c = expansion_at(piece, q, &t);
-    double size = fabs(t), value = c[piece->degree], slope = 0, bend = 0;
-    double value_error = fabs(value), slope_error = 0, bend_error = 0;
-    // Horner's rule for p, p′ and p″/2. In units of u every product carries its rounding and two
-    // for the offset, every sum its rounding, every coefficient its own.
-    for (int i = piece->degree - 1; i >= 0; i--) {
-        double product = bend * t;
-        bend = product + slope;
-        bend_error = size * bend_error + slope_error + 3 * fabs(product) + fabs(bend);
-        product = slope * t;
-        slope = product + value;
-        slope_error = size * slope_error + value_error + 3 * fabs(product) + fabs(slope);
-        product = value * t;
-        value = product + c[i];
-        value_error = size * value_error + 3 * fabs(product) + fabs(value) + fabs(c[i]);
-    }
-    out[0] = rounded(value, value_error);
-    out[1] = rounded(slope, slope_error);
-    out[2] = rounded(2 * bend, 2 * bend_error);
+    horner(c, piece->degree, t, sum);
+    horner(c + piece->degree + 1, piece->degree, fabs(t), roundings);
+    out[0] = rounded(sum[0], roundings[0]);
+    out[1] = rounded(sum[1], roundings[1]);
+    out[2] = rounded(2 * sum[2], 2 * roundings[2]);
 }
 
 sphv_result sphv_piece_derivative(const sphv_piece *piece, int derivative, double q)
 {
     double t;
-    const double *c = expansion_at(piece, q, &t);
-    double sum = 0, errors = 0, factor = 1; // factor = i!/(i − derivative)!
+    const double *c = expansion_at(piece, q, &t), *weight = c + piece->degree + 1;
     if (derivative > piece->degree) return (sphv_result){0, 0};
+    double sum = 0, roundings = 0, factor = 1; // factor = i!/(i − derivative)!
     for (int k = 0; k < derivative; k++) factor *= piece->degree - k;
-    // The coefficient and its product with the factor; a factor beyond 2^53 is rounded throughout.
-    int roundings = factor * piece->degree < 0x1p53 ? 2 : 2 + derivative + 2 * piece->degree;
+    bool exact_factor = factor * piece->degree < 0x1p53;
     for (int i = piece->degree; i >= derivative; i--) {
-        double product = sum * t, coefficient = c[i] * factor;
-        sum = product + coefficient;
-        errors = fabs(t) * errors + 3 * fabs(product) + fabs(sum) + roundings * fabs(coefficient);
+        sum = sum * t + c[i] * factor;
+        roundings = roundings * fabs(t) + weight[i] * factor;
         factor = factor * (i - derivative) / i;
     }
-    return rounded(sum, errors);
+    // Every coefficient of a weight ≥ 2 may meet these roundings of its factor as well.
+    return rounded(sum, exact_factor ? roundings : roundings * (1 + derivative + piece->degree));
 }

@@ -115,8 +115,14 @@ sphv_status sphv_kernel_compile(sphv_kernel *kernel, sphv_error *error)
     sphv_error reason = {SPHV_OK, "no dimension is declared"};
     for (int d = 1; d <= SPHV_DIMENSIONS; d++) {
         if (!kernel->declared[d - 1]) {
+            // Polynomials cost nothing to ask whether the dimension could have been declared.
+            bool possible = !kernel->polynomial || kernel->fourth_order ||
+                            exact_constant(kernel->constant[d - 1], &kernel->pieces, d);
             snprintf(kernel->refusal[d - 1], sizeof kernel->refusal[0],
-                     "the kernel file does not declare dimension %d", d);
+                     "the kernel file does not declare dimension %d%s", d,
+                     possible ? ""
+                              : ": the integral of w there is not positive, so no constant "
+                                "normalises it");
             continue;
         }
         sphv_status status = kernel->polynomial ? compile_polynomial(kernel, d, &reason)

@@ -299,7 +299,7 @@ static sphv_status read_claims(const sphv_yaml *yaml, const struct file_kernel *
     return status;
 }
 
-sphv_status sphv_kernel_load(const char *path, sphv_kernel **out, sphv_error *error)
+static sphv_status load(const char *path, bool unnormalisable, sphv_kernel **out, sphv_error *error)
 {
     sphv_yaml *yaml;
     sphv_status status = sphv_yaml_load(path, &kernel_schema, &yaml, error);
@@ -314,7 +314,9 @@ sphv_status sphv_kernel_load(const char *path, sphv_kernel **out, sphv_error *er
     if (status == SPHV_OK) {
         sphv_error reason;
         status = sphv_kernel_compile(kernel, &reason);
-        if (status == SPHV_INVALID_INPUT)
+        if (status == SPHV_INVALID_INPUT && unnormalisable)
+            status = SPHV_OK;
+        else if (status == SPHV_INVALID_INPUT)
             sphv_yaml_fail(yaml, file->pieces ? "pieces" : "family", error, "%s", reason.message);
         else if (status != SPHV_OK)
             sphv_fail(error, status, "%s", reason.message);
@@ -325,4 +327,14 @@ sphv_status sphv_kernel_load(const char *path, sphv_kernel **out, sphv_error *er
     else
         sphv_kernel_free(kernel);
     return status;
+}
+
+sphv_status sphv_kernel_load(const char *path, sphv_kernel **out, sphv_error *error)
+{
+    return load(path, false, out, error);
+}
+
+sphv_status sphv_kernel_load_any(const char *path, sphv_kernel **out, sphv_error *error)
+{
+    return load(path, true, out, error);
 }

@@ -10,7 +10,7 @@
 static const double unit_roundoff = DBL_EPSILON / 2;
 
 /// Expansions per degree over a whole support; more of them lower the bounds and cost memory.
-static const double centres_per_degree = 1;
+static const double centres_per_degree = 2;
 
 void sphv_profile_free(sphv_profile *profile)
 {

@@ -73,26 +73,77 @@ static sphv_status read_file(sphv_yaml *yaml, sphv_error *error)
     return SPHV_OK;
 }
 
-static sphv_status parse_document(sphv_yaml *yaml, sphv_error *error)
+static sphv_status not_yaml(const sphv_yaml *yaml, const yaml_parser_t *parser, sphv_error *error)
+{
+    size_t line = parser->problem_mark.line;
+    if (parser->error == YAML_READER_ERROR) {
+        line = 0;
+        for (size_t i = 0; i < parser->problem_offset && i < yaml->size; i++)
+            line += yaml->text[i] == '\n';
+    }
+    return sphv_fail(
+        error, parser->error == YAML_MEMORY_ERROR ? SPHV_RESOURCE_FAILURE : SPHV_INVALID_INPUT,
+        "%s:%zu: not YAML: %s; allowed: UTF-8 YAML", yaml->path, line + 1,
+        parser->problem ? parser->problem : "unreadable");
+}
+
+/// What an event of the file is refused for, or NULL.
+static const char *refusal(const yaml_event_t *event, int *depth, int *documents)
+{
+    switch (event->type) {
+    case YAML_DOCUMENT_START_EVENT:
+        return ++*documents > 1 ? "a second document begins; allowed: one" : NULL;
+    case YAML_ALIAS_EVENT:
+        return "an alias; allowed: plain values";
+    case YAML_MAPPING_START_EVENT:
+    case YAML_SEQUENCE_START_EVENT:
+        return ++*depth > DEPTH_LIMIT ? "too deeply nested; allowed: 16 levels" : NULL;
+    case YAML_MAPPING_END_EVENT:
+    case YAML_SEQUENCE_END_EVENT:
+        --*depth;
+        return NULL;
+    default:
+        return NULL;
+    }
+}
+
+/// Reads the whole file event by event before a tree is built of it: what would make the tree
+/// large or slow (aliases, deep nesting) or be overlooked (a second document) ends it here.
+static sphv_status scan_events(const sphv_yaml *yaml, sphv_error *error)
 {
     yaml_parser_t parser;
     if (!yaml_parser_initialize(&parser))
         return sphv_fail(error, SPHV_RESOURCE_FAILURE, "out of memory");
     yaml_parser_set_input_string(&parser, yaml->text, yaml->size);
-    yaml->has_document = yaml_parser_load(&parser, &yaml->document);
     sphv_status status = SPHV_OK;
-    if (!yaml->has_document) {
-        size_t line = parser.problem_mark.line;
-        if (parser.error == YAML_READER_ERROR) {
-            line = 0;
-            for (size_t i = 0; i < parser.problem_offset && i < yaml->size; i++)
-                line += yaml->text[i] == '\n';
+    int depth = 0, documents = 0, ended = 0;
+    while (status == SPHV_OK && !ended) {
+        yaml_event_t event;
+        if (!yaml_parser_parse(&parser, &event)) {
+            status = not_yaml(yaml, &parser, error);
+            break;
         }
-        status = sphv_fail(
-            error, parser.error == YAML_MEMORY_ERROR ? SPHV_RESOURCE_FAILURE : SPHV_INVALID_INPUT,
-            "%s:%zu: not YAML: %s; allowed: UTF-8 YAML", yaml->path, line + 1,
-            parser.problem ? parser.problem : "unreadable");
+        const char *refused = refusal(&event, &depth, &documents);
+        if (refused)
+            status = sphv_fail(error, SPHV_INVALID_INPUT, "%s:%zu: %s", yaml->path,
+                               event.start_mark.line + 1, refused);
+        ended = event.type == YAML_STREAM_END_EVENT;
+        yaml_event_delete(&event);
     }
+    yaml_parser_delete(&parser);
+    return status;
+}
+
+static sphv_status parse_document(sphv_yaml *yaml, sphv_error *error)
+{
+    sphv_status status = scan_events(yaml, error);
+    if (status != SPHV_OK) return status;
+    yaml_parser_t parser;
+    if (!yaml_parser_initialize(&parser))
+        return sphv_fail(error, SPHV_RESOURCE_FAILURE, "out of memory");
+    yaml_parser_set_input_string(&parser, yaml->text, yaml->size);
+    yaml->has_document = yaml_parser_load(&parser, &yaml->document);
+    if (!yaml->has_document) status = not_yaml(yaml, &parser, error);
     yaml_parser_delete(&parser);
     return status;
 }

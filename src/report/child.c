@@ -16,7 +16,7 @@
 
 extern char **environ;
 
-enum { OUTPUT_MAX = 64 << 20, CHUNK = 1 << 16, COMPLAINT = 400 };
+enum { OUTPUT_MAX = 64 << 20, CHUNK = 1 << 16, COMPLAINT = 240 };
 
 /// The parent's ends, and what has passed through them.
 struct conversation {
@@ -25,7 +25,7 @@ struct conversation {
     size_t left;
     char *received;
     size_t size, capacity;
-    char complaint[COMPLAINT]; ///< the beginning of what it says on standard error
+    char complaint[COMPLAINT]; ///< the end of what it says on standard error
     size_t complaint_size;
 };
 
@@ -108,11 +108,15 @@ static void receive_complaint(struct conversation *talk)
     char text[COMPLAINT];
     ssize_t got = read(talk->complaints, text, sizeof text);
     if (got == 0 || (got < 0 && errno != EAGAIN && errno != EINTR)) close_end(&talk->complaints);
-    for (ssize_t i = 0; i < got && talk->complaint_size < sizeof talk->complaint - 1; i++) {
+    for (ssize_t i = 0; i < got; i++) {
         bool blank = (unsigned char)text[i] <= ' ' || text[i] == '^';
         if (blank && (!talk->complaint_size || talk->complaint[talk->complaint_size - 1] == ' '))
             continue;
+        if (talk->complaint_size == COMPLAINT - 1) { // the end tells more than the beginning
+            memmove(talk->complaint, talk->complaint + 1, --talk->complaint_size);
+        }
         talk->complaint[talk->complaint_size++] = blank ? ' ' : text[i];
+        talk->complaint[talk->complaint_size] = '\0';
     }
 }
 

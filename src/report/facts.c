@@ -56,10 +56,23 @@ static void collect_orders(sphv_kernel_facts *facts)
     facts->edge_order = c < 2 ? 2 : c + c % 2;
 }
 
-void sphv_kernel_facts_collect(const sphv_kernel *kernel, const sphv_agreement *agreement,
-                               sphv_kernel_facts *facts)
+/// Checks that require nothing count only when they fail all the same.
+static void count_checks(sphv_kernel_facts *facts)
 {
-    *facts = (sphv_kernel_facts){.kernel = kernel, .agreement = agreement, .verdict = SPHV_AGREES};
+    for (size_t i = 0; facts->check && i < facts->check->count; i++) {
+        const sphv_check_result *result = &facts->check->results[i];
+        if (result->informative && result->verdict == SPHV_AGREES) continue;
+        facts->checks++;
+        facts->checks_passed += result->verdict == SPHV_AGREES;
+    }
+    if (facts->check) facts->verdict = sphv_verdict_worse(facts->verdict, facts->check->verdict);
+}
+
+void sphv_kernel_facts_collect(const sphv_kernel *kernel, const sphv_agreement *agreement,
+                               const sphv_check_report *check, sphv_kernel_facts *facts)
+{
+    *facts = (sphv_kernel_facts){
+        .kernel = kernel, .agreement = agreement, .check = check, .verdict = SPHV_AGREES};
     if (agreement) facts->verdict = sphv_tally_verdict(agreement->exact);
     for (int d = SPHV_DIMENSIONS; d >= 1; d--) {
         sphv_dimension_facts *of = &facts->dimension[d - 1];
@@ -68,6 +81,7 @@ void sphv_kernel_facts_collect(const sphv_kernel *kernel, const sphv_agreement *
         if (of->profile && of->claim) count_claim(facts, of->claim_verdict);
     }
     collect_orders(facts);
+    count_checks(facts);
     facts->claimed_smoothness = sphv_kernel_get_claims(kernel)->boundary_smoothness;
     if (facts->claimed_smoothness && facts->profile) {
         facts->smoothness_verdict =

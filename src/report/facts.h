@@ -3,6 +3,7 @@
 #ifndef SPHVERIFY_REPORT_FACTS_H
 #define SPHVERIFY_REPORT_FACTS_H
 
+#include "sphverify/check.h"
 #include "sphverify/scene.h"
 
 enum { SPHV_FACT_MOMENTS = 3, SPHV_FACT_TEXT = 96 };
@@ -29,12 +30,15 @@ typedef struct sphv_kernel_facts {
     int general_order, general_knot; ///< the same at arbitrary spacings
     int edge_order; ///< what β alone predicts at special spacings: β + 2, or β + 1 for odd β
     size_t claims, claims_refuted;
-    sphv_verdict verdict; ///< the worst of the exact form's agreement and the claims
+    const sphv_check_report *check; ///< NULL when the kernel was not checked
+    size_t checks, checks_passed;   ///< without those that state a number and require nothing
+    sphv_verdict verdict; ///< the worst of the exact form's agreement, the claims and the checks
 } sphv_kernel_facts;
 
-/// Collects the facts. They point into the kernel and the agreement.
+/// Collects the facts. They point into kernel, agreement and check.
+/// \param agreement, check  may be NULL
 void sphv_kernel_facts_collect(const sphv_kernel *kernel, const sphv_agreement *agreement,
-                               sphv_kernel_facts *facts);
+                               const sphv_check_report *check, sphv_kernel_facts *facts);
 
 /// The worst verdict of an agreement table, from its counts.
 sphv_verdict sphv_tally_verdict(const size_t counts[3]);

@@ -71,7 +71,10 @@ void sphv_html_paragraphs(FILE *stream, const char *text, const char *css_class)
         size_t length = strcspn(text, "\n");
         char *line = strndup(text, length);
         if (line && *line) {
-            fprintf(stream, "<p class=\"%s\">", css_class);
+            if (css_class)
+                fprintf(stream, "<p class=%s>", css_class);
+            else
+                fputs("<p>", stream);
             sphv_put_html(stream, line);
             fputs("</p>\n", stream);
         }
@@ -103,7 +106,11 @@ static void put_kernel_rows(FILE *stream, const sphv_rendering *rendering)
         sphv_html_verdict_cell(stream, facts->verdict);
         sphv_html_tally_cells(stream, facts->agreement ? facts->agreement->exact : none);
         sphv_html_tally_cells(stream, facts->agreement ? facts->agreement->paper : none);
-        fprintf(stream, "<td>%zu of %zu\n", facts->claims - facts->claims_refuted, facts->claims);
+        if (facts->check)
+            fprintf(stream, "<td>%zu of %zu\n", facts->checks_passed, facts->checks);
+        else
+            fprintf(stream, "<td>%zu of %zu\n", facts->claims - facts->claims_refuted,
+                    facts->claims);
     }
 }
 
@@ -127,10 +134,11 @@ static void put_scene_rows(FILE *stream, const sphv_rendering *rendering)
 static void put_verdicts(FILE *stream, const sphv_rendering *rendering)
 {
     static const char *const heads[] = {"Scene", "Kernel"};
-    static const char *const claims[] = {"Claims<br>as stated", "Claims<br>hold"};
+    const char *const claims[] = {
+        "Claims<br>as stated", rendering->report->checks ? "Checks<br>passed" : "Claims<br>hold"};
     fputs("<section id=verdicts><h2>Verdicts</h2>\n"
           "<p>Points at which theory and measurement agree, disagree, or at which the bounds are "
-          "too wide to tell. The verdict is that of the exact form and of the claims; the "
+          "too wide to tell. The verdict is that of the exact form, the claims and the checks; the "
           "paper’s form is shown beside it and does not enter.</p>\n",
           stream);
     for (int kind = 0; kind < 2; kind++) {
@@ -197,7 +205,7 @@ void sphv_render_html(FILE *stream, const sphv_rendering *rendering)
     put_verdicts(stream, rendering);
     fputs("<section id=reading><h2>How to read it</h2>\n", stream);
     for (const char *const *line = sphv_report_preface; *line; line++)
-        sphv_html_paragraphs(stream, *line, "");
+        sphv_html_paragraphs(stream, *line, NULL);
     fputs("</section>\n<section id=slips><h2>Slips of the paper, in numbers</h2>\n", stream);
     sphv_html_slips(stream, &rendering->slips);
     fputs("</section>\n<section id=scenes><h2>Scenes</h2>\n", stream);

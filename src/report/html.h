@@ -31,7 +31,7 @@ void sphv_html_tally_cells(FILE *stream, const size_t counts[3]);
 void sphv_html_table_begin(FILE *stream, const char *caption, const char *const *columns);
 void sphv_html_table_end(FILE *stream);
 
-/// Text from outside, a paragraph per line.
+/// Text from outside, a paragraph per line. \param css_class may be NULL
 void sphv_html_paragraphs(FILE *stream, const char *text, const char *css_class);
 
 /// A plot, or the reason why there is none.

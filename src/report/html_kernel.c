@@ -44,7 +44,7 @@ static void put_exact(FILE *stream, const char *exact, sphv_result value)
         sphv_put_html(stream, exact);
         fputs("</code> = ", stream);
     }
-    sphv_html_number(stream, value.value, 10);
+    sphv_html_number(stream, value.value, *exact ? 8 : 10);
     if (!*exact && value.bound > 0) {
         fputs(" ± ", stream);
         sphv_html_number(stream, value.bound, 2);
@@ -53,9 +53,14 @@ static void put_exact(FILE *stream, const char *exact, sphv_result value)
 
 static void put_dimensions(FILE *stream, const sphv_kernel_facts *facts)
 {
-    static const char *const columns[] = {
-        "Dim.",          "Constant C, recomputed", "File’s claim",      "Verdict",
-        "μ<sub>2</sub>", "μ<sub>4</sub>",          "Fourier transform", NULL};
+    static const char *const columns[] = {"Dim.",
+                                          "Constant C, recomputed",
+                                          "File’s claim",
+                                          "Verdict",
+                                          "μ<sub>2</sub>",
+                                          "μ<sub>4</sub>",
+                                          "Fourier transform, relative to Ŵ<sub>F</sub>(0)",
+                                          NULL};
     sphv_html_table_begin(stream, "Constants and moments", columns);
     for (int d = 1; d <= SPHV_DIMENSIONS; d++) {
         const sphv_dimension_facts *of = &facts->dimension[d - 1];
@@ -73,9 +78,9 @@ static void put_dimensions(FILE *stream, const sphv_kernel_facts *facts)
         }
         put_exact(stream, of->moment[1], of->profile->moment[2]);
         put_exact(stream, of->moment[2], of->profile->moment[4]);
-        fputs("<td>", stream);
+        fputs("<td class=t>", stream);
         if (of->fourier.negative) {
-            fputs("first negative at Ωh = ", stream);
+            fputs("negative from Ωh = ", stream);
             sphv_html_number(stream, of->fourier.first_negative, 5);
             fputs(", least ", stream);
             sphv_html_number(stream, of->fourier.minimum, 3);
@@ -188,6 +193,48 @@ static void put_agreement(FILE *stream, const sphv_kernel_facts *facts)
     put_numbers(stream, facts->agreement);
 }
 
+static void put_check_rows(FILE *stream, const sphv_check_report *check, bool failures)
+{
+    static const char *const columns[] = {"Check",    "Dim.",  "Verdict",           "Worked out",
+                                          "Measured", "Bound", "Claim and remarks", NULL};
+    sphv_html_table_begin(stream, NULL, columns);
+    for (size_t i = 0; i < check->count; i++) {
+        const sphv_check_result *result = &check->results[i];
+        if (failures && result->verdict == SPHV_AGREES) continue;
+        sphv_html_row_begin(stream, result->id);
+        if (result->dimension)
+            fprintf(stream, "<td>%dD", result->dimension);
+        else
+            fputs("<td>all", stream);
+        if (result->informative && result->verdict == SPHV_AGREES)
+            fputs("<td>stated", stream);
+        else
+            sphv_html_verdict_cell(stream, result->verdict);
+        sphv_html_number_cell(stream, result->analytic, 8);
+        sphv_html_number_cell(stream, result->empirical, 8);
+        sphv_html_number_cell(stream, result->bound, 2);
+        sphv_html_text_cell(stream, result->claim);
+        if (*result->cause) {
+            fputs("; ", stream);
+            sphv_put_html(stream, result->cause);
+        }
+        fputc('\n', stream);
+    }
+    sphv_html_table_end(stream);
+}
+
+/// What failed is shown at once, the rest on request.
+static void put_checks(FILE *stream, const sphv_kernel_facts *facts)
+{
+    if (!facts->check) return;
+    fprintf(stream, "<h4>Checks</h4>\n<p>%zu of %zu passed.</p>\n", facts->checks_passed,
+            facts->checks);
+    if (facts->checks_passed < facts->checks) put_check_rows(stream, facts->check, true);
+    fputs("<details><summary>All checks</summary>\n", stream);
+    put_check_rows(stream, facts->check, false);
+    fputs("</details>\n", stream);
+}
+
 void sphv_html_kernel(FILE *stream, const sphv_rendering *rendering, size_t index)
 {
     const sphv_kernel_facts *facts = &rendering->facts[index];
@@ -204,6 +251,7 @@ void sphv_html_kernel(FILE *stream, const sphv_rendering *rendering, size_t inde
     sphv_html_figure(stream, rendering, rendering->kernel_plots[index],
                      "The kernel with its derivatives, and its Fourier transform relative to its "
                      "integral, linear and logarithmic; where it is negative, particles can pair.");
+    put_checks(stream, facts);
     put_agreement(stream, facts);
     fputs("</article>\n", stream);
 }

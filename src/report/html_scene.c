@@ -23,44 +23,51 @@ static void put_range(FILE *stream, const sphv_scene *scene, const sphv_claim *c
     fputs("</span>", stream);
 }
 
+/// Why the tolerance is what it is, and what became of a claim that is known not to hold.
+static void put_explanation(FILE *stream, const sphv_claim *claim, bool surprising)
+{
+    fputs("<td class=t data-head=\"Why\">", stream);
+    sphv_put_html(stream, claim->reason);
+    if (surprising) fputs("<br><strong>This is not what the scene expects.</strong>", stream);
+    if (claim->refuted) {
+        fputs("<br><strong>Known not to hold:</strong> ", stream);
+        sphv_put_html(stream, claim->refuted);
+    }
+    fputc('\n', stream);
+}
+
 static void put_claim(FILE *stream, const sphv_scene *scene, const sphv_claim *claim,
                       const sphv_claim_result *found)
 {
     fputs("<tr><td class=t>", stream);
     sphv_put_html(stream, claim->statement);
     put_range(stream, scene, claim);
-    sphv_html_verdict_cell(stream, found->verdict);
-    sphv_html_number_cell(stream, found->analytic, 6);
-    sphv_html_number_cell(stream, found->empirical, 6);
-    fputs("<td>", stream);
+    fputs("<td data-head=\"Verdict\">", stream);
+    sphv_html_verdict(stream, found->verdict);
+    if (claim->refuted && !found->surprising) fputs("<br><span class=soft>as known</span>", stream);
+    fputs("<td data-head=\"Theory\">", stream);
+    sphv_html_number(stream, found->analytic, 6);
+    fputs("<td data-head=\"Measured\">", stream);
+    sphv_html_number(stream, found->empirical, 6);
+    fputs("<td data-head=\"Claimed\">", stream);
     sphv_html_number(stream, claim->expected, 6);
     if (claim->tolerance > 0) {
         fputs(" ± ", stream);
         sphv_html_number(stream, claim->tolerance, 2);
     }
-    sphv_html_text_cell(stream, claim->reason);
-    fputs("<td class=t>", stream);
-    if (claim->refuted && !found->surprising) {
-        fputs("Known not to hold: ", stream);
-        sphv_put_html(stream, claim->refuted);
-    } else if (claim->refuted) {
-        fputs("<strong>Not as expected:</strong> the scene says it does not hold: ", stream);
-        sphv_put_html(stream, claim->refuted);
-    } else if (found->surprising) {
-        fputs("<strong>Not as expected.</strong>", stream);
-    }
-    fputc('\n', stream);
+    put_explanation(stream, claim, found->surprising);
 }
 
 static void put_claims(FILE *stream, const sphv_scene_result *result)
 {
-    static const char *const columns[] = {
-        "Claim and measure",       "Verdict", "Theory", "Measured", "Expected",
-        "Reason of the tolerance", "Remark",  NULL};
     const sphv_scene *scene = result->scene;
     if (!scene->claim_count) return;
-    fputs("<h4>Claims</h4>\n", stream);
-    sphv_html_table_begin(stream, NULL, columns);
+    fputs("<h4>Claims</h4>\n<div class=scroll tabindex=0><table class=stacked><thead><tr>"
+          "<th scope=col>Claim and how it is measured<th scope=col>Verdict<th scope=col>Theory"
+          "<th scope=col>Measured<th scope=col>Claimed<th scope=col class=t>Tolerance and "
+          "remarks</thead>\n"
+          "<tbody>\n",
+          stream);
     for (size_t i = 0; i < scene->claim_count; i++)
         put_claim(stream, scene, &scene->claims[i], &result->claims[i]);
     sphv_html_table_end(stream);

@@ -113,6 +113,25 @@ static json_t *order_json(const sphv_kernel_facts *facts)
                      facts->edge_order);
 }
 
+static json_t *checks_json(const sphv_check_report *check)
+{
+    if (!check) return json_null();
+    json_t *checks = json_array();
+    for (size_t i = 0; i < check->count; i++) {
+        const sphv_check_result *result = &check->results[i];
+        json_array_append_new(
+            checks,
+            json_pack("{s:s, s:o, s:s, s:o, s:o, s:o, s:o, s:b, s:s, s:o}", "id", result->id,
+                      "dimension",
+                      result->dimension ? json_integer(result->dimension) : json_null(), "claim",
+                      result->claim, "claimed", number(result->claimed), "analytic",
+                      number(result->analytic), "empirical", number(result->empirical), "bound",
+                      number(result->bound), "informative", result->informative, "verdict",
+                      sphv_verdict_name(result->verdict), "cause", text_or_null(result->cause)));
+    }
+    return checks;
+}
+
 static json_t *kernel_json(const sphv_kernel_facts *facts)
 {
     json_t *dimensions = json_array(), *refused = json_object();
@@ -132,6 +151,7 @@ static json_t *kernel_json(const sphv_kernel_facts *facts)
         facts->claimed_smoothness ? json_integer(*facts->claimed_smoothness) : json_null(),
         "dimensions", dimensions, "refused", refused, "knots", knots_json(facts->profile),
         "discretisation_order", order_json(facts));
+    json_object_set_new(object, "checks", checks_json(facts->check));
     json_object_set_new(object, "agreement",
                         facts->agreement ? agreement_json(facts->agreement) : json_null());
     return object;
@@ -224,9 +244,10 @@ bool sphv_render_json(FILE *stream, const sphv_rendering *rendering)
     for (size_t i = 0; i < report->scene_count; i++)
         json_array_append_new(scenes, scene_with_curves(report->scenes[i]));
     json_t *root = json_pack(
-        "{s:s, s:o, s:{s:o, s:o}, s:o, s:o}", "verdict", sphv_verdict_name(report->verdict),
-        "seconds", number(report->seconds), "slips", "sign", sign_slips_json(&rendering->slips),
-        "interior_knots", knot_slip_json(&rendering->slips), "kernels", kernels, "scenes", scenes);
+        "{s:s, s:o, s:{s:o, s:o}, s:o, s:o}", "verdict",
+        sphv_verdict_name(sphv_rendering_verdict(rendering)), "seconds", number(report->seconds),
+        "slips", "sign", sign_slips_json(&rendering->slips), "interior_knots",
+        knot_slip_json(&rendering->slips), "kernels", kernels, "scenes", scenes);
     // A failure to write shows in the stream; only memory is reported here.
     if (root) (void)json_dumpf(root, stream, JSON_COMPACT | JSON_REAL_PRECISION(17));
     fputc('\n', stream);

@@ -51,9 +51,9 @@ static void put_verdicts(FILE *stream, const sphv_rendering *rendering)
         fprintf(stream, "%zu of %zu |\n", sphv_scene_expected_claims(result),
                 result->scene->claim_count);
     }
-    fputs(
-        "\n| Kernel | Verdict | Exact form | Paper’s form | Claims hold |\n|---|---|---|---|---|\n",
-        stream);
+    fputs("\n| Kernel | Verdict | Exact form | Paper’s form | Checks passed "
+          "|\n|---|---|---|---|---|\n",
+          stream);
     for (size_t i = 0; i < rendering->report->kernel_count; i++) {
         const sphv_kernel_facts *facts = &rendering->facts[i];
         fputs("| ", stream);
@@ -61,7 +61,11 @@ static void put_verdicts(FILE *stream, const sphv_rendering *rendering)
         verdict_cell(stream, facts->verdict);
         tally(stream, facts->agreement ? facts->agreement->exact : none);
         tally(stream, facts->agreement ? facts->agreement->paper : none);
-        fprintf(stream, "%zu of %zu |\n", facts->claims - facts->claims_refuted, facts->claims);
+        if (facts->check)
+            fprintf(stream, "%zu of %zu |\n", facts->checks_passed, facts->checks);
+        else
+            fprintf(stream, "%zu of %zu claims |\n", facts->claims - facts->claims_refuted,
+                    facts->claims);
     }
 }
 
@@ -226,6 +230,27 @@ static void put_agreement(FILE *stream, const sphv_agreement *agreement)
     }
 }
 
+static void put_checks(FILE *stream, const sphv_kernel_facts *facts)
+{
+    fprintf(stream, "\nChecks passed: %zu of %zu.\n", facts->checks_passed, facts->checks);
+    for (size_t i = 0; i < facts->check->count; i++) {
+        const sphv_check_result *result = &facts->check->results[i];
+        if (result->verdict == SPHV_AGREES) continue;
+        fprintf(stream, "- **%s** ", sphv_verdict_name(result->verdict));
+        sphv_put_markdown(stream, result->id);
+        if (result->dimension) fprintf(stream, " in %dD", result->dimension);
+        fputs(", ", stream);
+        sphv_put_markdown(stream, result->claim);
+        fputs(", worked out ", stream);
+        number(stream, result->analytic, 10);
+        fputs(", measured ", stream);
+        number(stream, result->empirical, 10);
+        fputs(", ", stream);
+        sphv_put_markdown(stream, result->cause);
+        fputc('\n', stream);
+    }
+}
+
 static void put_kernel(FILE *stream, const sphv_kernel_facts *facts)
 {
     fputs("\n### ", stream);
@@ -245,6 +270,7 @@ static void put_kernel(FILE *stream, const sphv_kernel_facts *facts)
                 facts->special_order, facts->general_order, facts->edge_order);
     fputs(".\n\n", stream);
     put_constants(stream, facts);
+    if (facts->check) put_checks(stream, facts);
     if (facts->agreement) put_agreement(stream, facts->agreement);
 }
 

@@ -29,7 +29,8 @@ sphv_status sphv_plot_begin(sphv_plot_script *script, int width, int height, sph
             "set border 31 linewidth 1\n"
             "set tics nomirror scale 0.8\n"
             "set grid linewidth 0.5 linecolor rgb '#a0a0a0'\n"
-            "set key noenhanced bmargin center horizontal samplen 3 spacing 1.15\n",
+            "set key noenhanced bmargin center horizontal Left reverse samplen 2.5 spacing 1.15 "
+            "width -2\n",
             width, height);
     return SPHV_OK;
 }
@@ -49,7 +50,8 @@ void sphv_plot_log_axis(FILE *script, char axis, double from, double to)
             double value = m * pow(10, decade);
             if (value < from * (1 - 1e-9) || value > to * (1 + 1e-9)) continue;
             bool labelled =
-                m == 1 ? decade % step == 0 : decades < 1 || (decades < 3 && (m == 2 || m == 5));
+                m == 1 ? decade % step == 0
+                       : decades < 0.8 || (m == 5 && decades < 3) || (m == 2 && decades < 2);
             if (labelled && decades < 4)
                 fprintf(script, "%s'%g' %.12g", comma, value, value);
             else if (labelled)

@@ -3,7 +3,7 @@
 
 #include "plot.h"
 
-enum { WIDTH = 600, HEIGHT = 1180, PER_PIECE = 120, WAVENUMBERS = 400 };
+enum { WIDTH = 600, HEIGHT = 1180, POINTS = 160, WAVENUMBERS = 240 };
 
 /// The transform is drawn to this wavenumber times κ, some six lobes of a compact kernel.
 static const double highest_wavenumber = 40;
@@ -15,10 +15,10 @@ static void write_derivatives(FILE *script, const sphv_profile *profile)
     fputs("$profile << END\n", script);
     for (int p = 0; p < profile->piece_count; p++) {
         const sphv_piece *piece = &profile->pieces[p];
-        for (int i = 0; i <= PER_PIECE; i++) {
-            double q = i == PER_PIECE
-                           ? piece->outer
-                           : piece->inner + (piece->outer - piece->inner) * i / PER_PIECE;
+        double width = piece->outer - piece->inner;
+        int points = 8 + (int)(POINTS * width / profile->support);
+        for (int i = 0; i <= points; i++) {
+            double q = i == points ? piece->outer : piece->inner + width * i / points;
             double jet[3];
             sphv_profile_jet(profile, p, q, 2, jet);
             fprintf(script, "%.10g %.10g %.10g %.10g\n", q, jet[0], jet[1], 2 * jet[2]);
@@ -71,9 +71,10 @@ static void write_transform(FILE *script, const struct transform *transform, int
 static void write_panels(FILE *script, const sphv_profile *profile, const bool legal[])
 {
     int first = profile->dimension;
-    fputs("set multiplot layout 3,1\n", script);
+    fputs("set key width 2\nset multiplot layout 3,1\n", script);
     fprintf(script,
-            "set xlabel 'q = r/h' noenhanced\nset ylabel 'Ŵ and derivatives, %dD' noenhanced\n"
+            "set xlabel 'q = r/h' offset 0,0.4 noenhanced\nset ylabel 'Ŵ and derivatives, %dD' "
+            "noenhanced\n"
             "set xrange [0:%.10g]\nplot ",
             first, 1.08 * profile->support);
     static const char *const names[] = {"Ŵ", "Ŵ′", "Ŵ″"};
@@ -85,8 +86,8 @@ static void write_panels(FILE *script, const sphv_profile *profile, const bool l
                 names[i]);
 
     fprintf(script,
-            "\nset xlabel 'Ωh, wavenumber in units of 1/h' noenhanced\n"
-            "set ylabel 'Fourier transform Ŵ_F(Ω)/Ŵ_F(0)' noenhanced\nset xrange [0:%.10g]\n"
+            "\nset xlabel 'Ωh, wavenumber in units of 1/h' offset 0,0.4 noenhanced\n"
+            "set ylabel 'Fourier transform Ŵ_F(Ω)/Ŵ_F(0)' enhanced\nset xrange [0:%.10g]\n"
             "set xzeroaxis linewidth 1\nplot ",
             highest_wavenumber / profile->support);
     const char *comma = "";
@@ -99,7 +100,8 @@ static void write_panels(FILE *script, const sphv_profile *profile, const bool l
         comma = ", ";
     }
 
-    fputs("\nset ylabel '|Ŵ_F(Ω)|/Ŵ_F(0)' noenhanced\nset logscale y\nset format y '10^{%T}'\n"
+    fputs("\nset xlabel 'Ωh, wavenumber in units of 1/h (dotted: negative)' noenhanced\n"
+          "set ylabel '|Ŵ_F(Ω)|/Ŵ_F(0)' enhanced\nset logscale y\nset format y '10^{%T}'\n"
           "set yrange [1e-10:2]\nplot ",
           script);
     comma = "";
@@ -107,15 +109,13 @@ static void write_panels(FILE *script, const sphv_profile *profile, const bool l
         const sphv_plot_style *style = sphv_plot_style_of((size_t)d - 1);
         if (!legal[d - 1]) continue;
         fprintf(script,
-                "%s$positive%d with lines linecolor rgb '%s' linewidth 2 title '%dD', "
-                "$negative%d every 2 with points linecolor rgb '%s' pointtype %d pointsize 0.4 "
-                "notitle",
-                comma, d, style->colour, d, d, style->colour, style->hollow);
+                "%s$positive%d with linespoints linecolor rgb '%s' linewidth 1.5 pointtype %d "
+                "pointsize 0.5 pointinterval 24 title '%dD', "
+                "$negative%d with lines linecolor rgb '%s' dashtype '.' linewidth 2 notitle",
+                comma, d, style->colour, style->filled, d, d, style->colour);
         comma = ", ";
     }
-    fputs(", keyentry with points linecolor rgb 'black' pointtype 6 pointsize 0.4 "
-          "title 'points: negative'\nunset multiplot\n",
-          script);
+    fputs("\nunset multiplot\n", script);
 }
 
 sphv_status sphv_plot_kernel_as(const sphv_kernel *kernel, const char *id, char **svg,

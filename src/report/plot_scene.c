@@ -4,10 +4,10 @@
 #include "plot.h"
 #include "text.h"
 
-enum { WIDTH = 600, PLOT_HEIGHT = 470, LINE_HEIGHT = 25, LABEL_MAX = 52, TWO_COLUMNS = 20 };
+enum { WIDTH = 600, PLOT_HEIGHT = 470, LINE_HEIGHT = 25, LABEL_MAX = 52, TWO_COLUMNS = 22 };
 
 /// Points nearer than this, in units of the axis, would run into one blot.
-static const double clear_of_last = 0.02;
+static const double clear_of_last = 0.03;
 
 /// What is drawn upwards at a sample: the norm of the error, or Ŵ itself over q.
 static double height_of(const sphv_scene *scene, const sphv_prediction *prediction)
@@ -70,7 +70,7 @@ static void write_axes(FILE *script, const sphv_scene_result *result)
         [SPHV_OVER_H] = "h/λ, smoothing length in wavelengths",
         [SPHV_OVER_SPACING] = "Δx/h, particle spacing in smoothing lengths",
     };
-    fprintf(script, "set xlabel '%s' noenhanced\n", labels[scene->abscissa]);
+    fprintf(script, "set xlabel '%s' offset 0,0.4 noenhanced\n", labels[scene->abscissa]);
     if (scene->logarithmic)
         sphv_plot_log_axis(script, 'x', scene->from, scene->to);
     else
@@ -79,7 +79,7 @@ static void write_axes(FILE *script, const sphv_scene_result *result)
         fputs("set ylabel 'Ŵ = h W' noenhanced\n", script);
         return;
     }
-    fputs("set ylabel 'L₂ norm of the error, |E|/√2 (relative to max |A′|)' noenhanced\n"
+    fputs("set ylabel 'L₂ norm of the error, |E|/√2' noenhanced\n"
           "set logscale y\nset format y '10^{%T}'\n",
           script);
 }
@@ -97,15 +97,14 @@ static void write_legend(FILE *script, const sphv_scene_result *result, bool exa
         sphv_put_gnuplot(script, scene->curves[c].label, LABEL_MAX);
         fputs(" noenhanced", script);
     }
-    fputs(", keyentry with lines linecolor rgb 'black' linewidth 2 title 'line: empirical'",
-          script);
+    fputs(", keyentry with lines linecolor rgb 'black' linewidth 2 title 'empirical'", script);
     if (exact)
         fputs(", keyentry with points linecolor rgb 'black' pointtype 7 pointsize 0.6 "
-              "title 'filled: analytic'",
+              "title 'analytic'",
               script);
     if (paper)
-        fputs(", keyentry with points linecolor rgb 'black' pointtype 6 pointsize 1.15 "
-              "title 'hollow: paper’s form'",
+        fputs(", keyentry with points linecolor rgb 'black' pointtype 6 pointsize 1.05 "
+              "title 'paper’s form'",
               script);
 }
 
@@ -126,7 +125,7 @@ static void write_plot(FILE *script, const sphv_scene_result *result)
         if (scene->abscissa != SPHV_OVER_Q && write_points(script, result, c, true)) paper = true;
     }
     write_axes(script, result);
-    fprintf(script, "set key maxcols %d\nplot ", legend_columns(scene));
+    fprintf(script, "set key maxcols %d width -2\nplot ", legend_columns(scene));
     for (size_t c = 0; c < scene->curve_count; c++) {
         const sphv_plot_style *style = sphv_plot_style_of(c);
         fprintf(script,
@@ -138,7 +137,7 @@ static void write_plot(FILE *script, const sphv_scene_result *result)
         if (paper)
             fprintf(
                 script,
-                ", $paper%zu with points linecolor rgb '%s' pointtype %d pointsize 1.15 notitle", c,
+                ", $paper%zu with points linecolor rgb '%s' pointtype %d pointsize 1.05 notitle", c,
                 style->colour, style->hollow);
     }
     write_legend(script, result, exact, paper);

@@ -84,7 +84,8 @@ static sphv_status prepare(sphv_rendering *rendering, sphv_error *error)
     long count = (long)report->kernel_count;
 #pragma omp parallel for schedule(dynamic, 1)
     for (long i = 0; i < count; i++)
-        sphv_kernel_facts_collect(report->kernels[i], report->agreements[i], &rendering->facts[i]);
+        sphv_kernel_facts_collect(report->kernels[i], report->agreements[i],
+                                  report->checks ? &report->checks[i] : NULL, &rendering->facts[i]);
     sphv_status status = sphv_slips_compute(report, &rendering->slips, error);
     if (status == SPHV_OK) draw_plots(rendering);
     return status;

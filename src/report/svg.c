@@ -24,6 +24,7 @@ static void copy_tag(FILE *out, const char *tag, const char *end, const char *id
         {"href=\"#", "href=\"#", true},
         {"url(#", "url(#", true},
         {"='black'", "='currentColor'", false},
+        {"='rgb(  0,   0,   0)'", "='currentColor'", false},
         {"=\"black\"", "=\"currentColor\"", false},
     };
     for (const char *c = tag; c <= end;) {
@@ -47,6 +48,15 @@ static bool view_box(const char *tag, const char *end, double box[4])
     const char *at = strstr(tag, "viewBox=\"");
     return at && at < end &&
            sscanf(at, "viewBox=\"%lf %lf %lf %lf\"", &box[0], &box[1], &box[2], &box[3]) == 4;
+}
+
+/// Where an empty group ends that begins here (gnuplot writes many), or NULL.
+static const char *after_empty_group(const char *tag)
+{
+    const char *end = starts(tag, "<g ") ? strchr(tag, '>') : NULL;
+    if (!end) return NULL;
+    end += 1 + strspn(end + 1, " \n\t");
+    return starts(end, "</g>") ? end + 4 : NULL;
 }
 
 sphv_status sphv_svg_embed(const char *document, const char *id, const char *title, char **svg,
@@ -85,6 +95,7 @@ sphv_status sphv_svg_embed(const char *document, const char *id, const char *tit
                 after = strstr(c, dropped[i][1]);
                 if (after) after += strlen(dropped[i][1]);
             }
+        if (!after) after = after_empty_group(c);
         if (!after) {
             after = strchr(c, '>');
             if (!after) break;

@@ -1,5 +1,6 @@
 #include "text.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <string.h>
 
@@ -131,16 +132,20 @@ void sphv_put_gnuplot(FILE *stream, const char *text, int limit)
 {
     char c[5];
     int written = 0, length = sphv_text_length(text);
-    fputc('\'', stream);
+    fputc('"', stream);
     while (sphv_text_next(&text, c)) {
         if (++written >= limit && length > limit) {
             fputs("…", stream);
             break;
         }
-        if (c[0] == '\'') fputc('\'', stream);
-        fputs(c, stream);
+        // Quotes, backslashes, backquotes and all else that is no letter, as octal codes: gnuplot
+        // reads those after it has looked for anything to substitute.
+        if (c[0] > 0 && c[0] != ' ' && !isalnum((unsigned char)c[0]))
+            fprintf(stream, "\\%03o", (unsigned)c[0]);
+        else
+            fputs(c, stream);
     }
-    fputc('\'', stream);
+    fputc('"', stream);
 }
 
 const char *sphv_number_text(char text[SPHV_NUMBER_TEXT], double value, int digits)
@@ -150,7 +155,7 @@ const char *sphv_number_text(char text[SPHV_NUMBER_TEXT], double value, int digi
         return text;
     }
     char plain[SPHV_NUMBER_TEXT - 4];
-    snprintf(plain, sizeof plain, "%.*g", digits, value);
+    snprintf(plain, sizeof plain, "%.*g", digits, value == 0 ? 0 : value); // no minus zero
     // A true minus sign, and exponents without padding.
     char *to = text;
     for (const char *from = plain; *from; from++) {

@@ -24,7 +24,7 @@ void sphv_put_markdown(FILE *stream, const char *text);
 /// Text as one field of CSV (RFC 4180), quoted where it has to be.
 void sphv_put_csv(FILE *stream, const char *text);
 
-/// Text as a single-quoted gnuplot string, in which gnuplot interprets nothing.
+/// Text as a gnuplot string that holds nothing for gnuplot to interpret.
 /// \param limit longer texts end in an ellipsis after this many characters
 void sphv_put_gnuplot(FILE *stream, const char *text, int limit);
 

@@ -1,0 +1,501 @@
+// Plots, CSV and the report's pages, with names and titles that try to be code.
+#include "support.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "sphverify/report.h"
+
+static char *copy(const char *text)
+{
+    char *out = strdup(text);
+    assert_non_null(out);
+    return out;
+}
+
+/// Would write a file `touched` if any of it were run by gnuplot or a shell.
+#define NASTY                                                                                      \
+    "'; system(\"touch touched\") # `touch touched` $(touch touched) \" \\ \n set output "         \
+    "'touched'\n{/Symbol a}_b^2 %d @x <script>alert(1)</script> </title></svg> & | ]]> <!--"
+
+/// A scene of two curves over h or Δx/h, run; labels as given.
+struct stage {
+    sphv_scene scene;
+    sphv_curve curves[2];
+    sphv_claim claims[2];
+    sphv_kernel *kernel;
+    sphv_scene_result *result;
+    char *nasty;
+};
+
+static void stage_make(struct stage *stage, sphv_abscissa abscissa, const char *text)
+{
+    sphv_error error;
+    memset(stage, 0, sizeof *stage);
+    stage->kernel = load_kernel("quinlan-w10");
+    stage->nasty = copy(text);
+    for (int i = 0; i < 2; i++)
+        stage->curves[i] = (sphv_curve){.id = stage->nasty,
+                                        .label = stage->nasty,
+                                        .kernel = stage->kernel,
+                                        .profile = sphv_kernel_profile(stage->kernel, 1),
+                                        .h = 0.01 * (1 + i),
+                                        .spacing = sphv_number_from_ratio(4, 11 + 8 * i),
+                                        .spacing_text = stage->nasty};
+    for (int i = 0; i < 2; i++)
+        stage->claims[i] = (sphv_claim){.id = stage->nasty,
+                                        .statement = stage->nasty,
+                                        .measure = &sphv_claim_measures[0],
+                                        .from = 0.001,
+                                        .to = 2,
+                                        .expected = 2,
+                                        .tolerance = i ? 10 : 1e-9,
+                                        .reason = stage->nasty,
+                                        .refuted = i ? NULL : stage->nasty};
+    stage->scene = (sphv_scene){.path = stage->nasty,
+                                .name = stage->nasty,
+                                .title = stage->nasty,
+                                .source = stage->nasty,
+                                .notes = stage->nasty,
+                                .abscissa = abscissa,
+                                .from = abscissa == SPHV_OVER_Q ? 0 : 0.05,
+                                .to = abscissa == SPHV_OVER_H ? 0.3 : 1.2,
+                                .logarithmic = abscissa != SPHV_OVER_Q,
+                                .points = 30,
+                                .markers = 8,
+                                .curve_count = 2,
+                                .claim_count = abscissa == SPHV_OVER_Q ? 0 : 2,
+                                .curves = stage->curves,
+                                .claims = stage->claims};
+    assert_ok(sphv_scene_run(&stage->scene, NULL, NULL, &stage->result, &error), error);
+}
+
+static void stage_free(struct stage *stage)
+{
+    sphv_scene_result_free(stage->result);
+    sphv_kernel_free(stage->kernel);
+    free(stage->nasty);
+}
+
+/// Fails unless tags nest and attributes are quoted; good enough to tell XML from soup.
+static void assert_well_formed(const char *xml)
+{
+    char open[64][32];
+    int depth = 0, elements = 0;
+    for (const char *c = xml; (c = strchr(c, '<'));) {
+        size_t length = strcspn(++c, " >/");
+        const char *end = c;
+        for (char quote = 0; *end && (quote || *end != '>'); end++) {
+            if (quote && *end == quote)
+                quote = 0;
+            else if (!quote && (*end == '"' || *end == '\''))
+                quote = *end;
+            assert_int_not_equal(*end, '<');
+        }
+        assert_int_equal(*end, '>');
+        if (*c == '/') {
+            length = strcspn(c + 1, " >");
+            assert_true(depth > 0);
+            depth--;
+            assert_int_equal(strlen(open[depth]), length);
+            assert_memory_equal(open[depth], c + 1, length);
+        } else if (end[-1] != '/') {
+            assert_true(depth < 64 && length > 0 && length < 32);
+            memcpy(open[depth], c, length);
+            open[depth++][length] = '\0';
+            elements++;
+        }
+        c = end;
+    }
+    assert_int_equal(depth, 0);
+    assert_true(elements > 3);
+}
+
+static size_t count(const char *text, const char *part)
+{
+    size_t found = 0;
+    for (const char *c = text; (c = strstr(c, part)); c++) found++;
+    return found;
+}
+
+static bool have_gnuplot(void)
+{
+    return system("command -v gnuplot >/dev/null 2>&1") == 0;
+}
+
+static void assert_untouched(void)
+{
+    struct stat about;
+    assert_int_not_equal(stat("touched", &about), 0);
+}
+
+static void plots_take_any_text_as_text(void **state)
+{
+    (void)state;
+    if (!have_gnuplot()) skip();
+    char *folder = folder_make(), *was = getcwd(NULL, 0);
+    assert_int_equal(chdir(folder), 0);
+    static const char *const texts[] = {NASTY, "\\", "'", "''", "{", "}", "`", "\xFF\x01\xC3", ""};
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
+        for (int abscissa = SPHV_OVER_Q; abscissa <= (i ? 0 : (int)SPHV_OVER_SPACING); abscissa++) {
+            struct stage stage;
+            char *svg;
+            sphv_error error;
+            stage_make(&stage, (sphv_abscissa)abscissa, texts[i]);
+            assert_ok(sphv_plot_scene(stage.result, &svg, &error), error);
+            assert_well_formed(svg);
+            assert_null(strstr(svg, "<script"));
+            assert_null(strstr(svg, "<?xml"));
+            assert_non_null(strstr(svg, "role=\"img\""));
+            // The legend shows the beginning of both labels as they are.
+            if (i == 0) assert_int_equal(count(svg, "'; system(\"touch touched\") # `touch"), 2);
+            // Both curves have their 30 points: none is lost behind a broken line.
+            assert_true(count(svg, "<path") >= 2);
+            assert_untouched();
+            free(svg);
+            stage_free(&stage);
+        }
+    assert_int_equal(chdir(was), 0);
+    free(was);
+    folder_remove(folder);
+}
+
+static void a_kernel_is_drawn_in_its_dimensions(void **state)
+{
+    (void)state;
+    if (!have_gnuplot()) skip();
+    static const char *const names[] = {"quinlan-w8", "gaussian", "monaghan-m4-prime"};
+    for (size_t i = 0; i < 3; i++) {
+        sphv_kernel *kernel = load_kernel(names[i]);
+        char *svg;
+        sphv_error error;
+        assert_ok(sphv_plot_kernel(kernel, &svg, &error), error);
+        assert_well_formed(svg);
+        // In the legends of both panels of the transform.
+        assert_int_equal(count(svg, ">3D<"), sphv_kernel_profile(kernel, 3) ? 2 : 0);
+        assert_int_equal(count(svg, ">2D<"), 2);
+        free(svg);
+        sphv_kernel_free(kernel);
+    }
+}
+
+/// A field of a CSV line, unquoted when it is a plain number.
+static double csv_number(const char *line, int column)
+{
+    while (column--) {
+        if (*line == '"')
+            for (line++; *line != '"' || line[1] == '"'; line++) line += *line == '"';
+        line = strchr(line, ',');
+        assert_non_null(line++);
+    }
+    return strtod(line, NULL);
+}
+
+static void csv_holds_every_digit(void **state)
+{
+    (void)state;
+    struct stage stage;
+    stage_make(&stage, SPHV_OVER_SPACING, "a,\"b\"\nc");
+    char *csv;
+    size_t size;
+    FILE *stream = open_memstream(&csv, &size);
+    assert_non_null(stream);
+    sphv_scene_csv(stream, stage.result);
+    fclose(stream);
+    char *line = strchr(csv, '\n') + 1;
+    assert_int_equal(count(csv, "\n"),
+                     1 + stage.result->sample_count[0] + stage.result->sample_count[1]);
+    for (size_t c = 0; c < 2; c++)
+        for (size_t i = 0; i < stage.result->sample_count[c]; i++) {
+            const sphv_sample *sample = &stage.result->samples[c][i];
+            assert_true(csv_number(line, 3) == sample->h);
+            assert_true(csv_number(line, 4) == sample->spacing.value);
+            assert_true(csv_number(line, 8) == sample->point.analytic.total.value);
+            assert_true(csv_number(line, 9) == sample->point.analytic.total.bound);
+            assert_true(csv_number(line, 11) == sample->point.empirical.total.value);
+            if (sample->n >= 0) assert_true(csv_number(line, 18) == sample->paper.total.value);
+            line = strchr(line, '\n') + 1;
+        }
+    assert_string_equal(line, "");
+    free(csv);
+    stage_free(&stage);
+}
+
+static char *read_file(const char *folder, const char *name)
+{
+    char path[4096];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    fseek(file, 0, SEEK_END);
+    size_t size = (size_t)ftell(file);
+    rewind(file);
+    char *text = calloc(1, size + 1);
+    assert_non_null(text);
+    assert_int_equal(fread(text, 1, size, file), size);
+    fclose(file);
+    return text;
+}
+
+static const char hostile_kernel[] =
+    "name: hostile\n"
+    "title: \"<script>alert(1)</script> '; system('touch touched') | `x` *b*\"\n"
+    "source: \"</style><img src=x onerror=alert(2)>\"\n"
+    "support: 2\n"
+    "pieces:\n"
+    "  - {until: 1, coefficients: [\"1\", \"0\", \"-3/2\", \"3/4\"]}\n"
+    "  - {until: 2, coefficients: [\"2\", \"-3\", \"3/2\", \"-1/4\"]}\n"
+    "dimensions: [1, 2]\n"
+    "constants: {1d: \"0.6667\", 2d: \"10/7/pi\"}\n"
+    "claims: {boundary_smoothness: 4}\n";
+
+struct pages {
+    char *folder, *html, *markdown;
+    json_t *json;
+    bool plots_missing;
+};
+
+/// A report of quinlan-w10, cubic-spline and a hostile kernel, with a hostile scene.
+static void pages_make(struct pages *pages, struct stage *stage)
+{
+    sphv_error error;
+    sphv_kernel *kernels[3] = {load_kernel("quinlan-w10"), load_kernel("cubic-spline"), NULL};
+    sphv_agreement *agreements[3] = {NULL, NULL, NULL};
+    assert_ok(kernel_from_text(hostile_kernel, &kernels[2], &error), error);
+    for (int i = 1; i < 3; i++)
+        assert_ok(sphv_agreement_run(kernels[i], &agreements[i], &error), error);
+    sphv_check_report checks[3];
+    sphv_check_options options = {0};
+    for (int i = 0; i < 3; i++)
+        assert_ok(sphv_check_kernel(kernels[i], &options, &checks[i], &error), error);
+    stage_make(stage, SPHV_OVER_H, NASTY);
+    sphv_scene_result *scenes[] = {stage->result};
+    sphv_report report = {.kernel_count = 3,
+                          .scene_count = 1,
+                          .kernels = kernels,
+                          .agreements = agreements,
+                          .checks = checks,
+                          .scenes = scenes,
+                          .verdict = SPHV_AGREES,
+                          .seconds = 1.5};
+    pages->folder = folder_make();
+    assert_ok(sphv_report_write(&report, pages->folder, &pages->plots_missing, &error), error);
+    pages->html = read_file(pages->folder, "index.html");
+    pages->markdown = read_file(pages->folder, "report.md");
+    char *text = read_file(pages->folder, "report.json");
+    json_error_t reason;
+    pages->json = json_loads(text, 0, &reason);
+    if (!pages->json) fail_msg("report.json:%d: %s", reason.line, reason.text);
+    free(text);
+    for (int i = 0; i < 3; i++) {
+        sphv_check_free(&checks[i]);
+        sphv_agreement_free(agreements[i]);
+        sphv_kernel_free(kernels[i]);
+    }
+}
+
+static void pages_free(struct pages *pages, struct stage *stage)
+{
+    json_decref(pages->json);
+    free(pages->html);
+    free(pages->markdown);
+    folder_remove(pages->folder);
+    stage_free(stage);
+}
+
+/// Every id of a page occurs once; every link inside it leads somewhere.
+static void assert_ids(const char *html)
+{
+    for (const char *c = html; (c = strstr(c, " id="));) {
+        c += 4;
+        char quote = *c == '"' || *c == '\'' ? *c++ : 0, searched[2][80];
+        int length = (int)(quote ? strchr(c, quote) - c : (long)strcspn(c, " >"));
+        snprintf(searched[0], sizeof searched[0], " id=\"%.*s\"", length, c);
+        snprintf(searched[1], sizeof searched[1], " id='%.*s'", length, c);
+        assert_true(count(html, searched[0]) + count(html, searched[1]) <= 1);
+    }
+    for (const char *c = html; (c = strstr(c, "href=\"#"));) {
+        c += 7;
+        char searched[2][80];
+        int length = (int)strcspn(c, "\"");
+        snprintf(searched[0], sizeof searched[0], " id=\"%.*s\"", length, c);
+        snprintf(searched[1], sizeof searched[1], " id=%.*s>", length, c);
+        assert_true(strstr(html, searched[0]) || strstr(html, searched[1]));
+    }
+}
+
+static void the_page_is_self_contained_and_inert(void **state)
+{
+    (void)state;
+    struct stage stage;
+    struct pages pages;
+    char *folder = folder_make(), *was = getcwd(NULL, 0);
+    assert_int_equal(chdir(folder), 0);
+    pages_make(&pages, &stage);
+    assert_untouched();
+    assert_int_equal(chdir(was), 0);
+    free(was);
+    folder_remove(folder);
+    static const char *const forbidden[] = {"<script", "<img",    "onerror=\"",   "src=\"", "<link",
+                                            "@import", "<iframe", "</svg></svg>", "<?xml"};
+    for (size_t i = 0; i < sizeof forbidden / sizeof *forbidden; i++)
+        if (strstr(pages.html, forbidden[i])) fail_msg("the page holds %s", forbidden[i]);
+    // The only addresses are the names of the SVG namespaces.
+    assert_int_equal(count(pages.html, "http"), 2 * count(pages.html, "<svg"));
+    assert_int_equal(count(pages.html, "<style>"), 1);
+    assert_non_null(strstr(pages.html, "&lt;script&gt;alert(1)"));
+    assert_null(strstr(pages.markdown, "<script"));
+    assert_null(strstr(pages.markdown, "<img"));
+    assert_int_equal(pages.plots_missing, !have_gnuplot());
+    assert_ids(pages.html);
+    pages_free(&pages, &stage);
+}
+
+static const char *string_at(const json_t *object, const char *key)
+{
+    const char *text = json_string_value(json_object_get(object, key));
+    assert_non_null(text);
+    return text;
+}
+
+static void false_claims_show_as_such(void **state)
+{
+    (void)state;
+    struct stage stage;
+    struct pages pages;
+    pages_make(&pages, &stage);
+    // 0.6667 for 2/3 and β = 4 for 2 are wrong: the kernel and with it the report disagree.
+    assert_string_equal(string_at(pages.json, "verdict"), "disagrees");
+    const json_t *kernels = json_object_get(pages.json, "kernels");
+    assert_string_equal(string_at(json_array_get(kernels, 1), "verdict"), "agrees");
+    const json_t *hostile = json_array_get(kernels, 2);
+    assert_string_equal(string_at(hostile, "verdict"), "disagrees");
+    const json_t *dimensions = json_object_get(hostile, "dimensions");
+    assert_int_equal(json_array_size(dimensions), 2);
+    assert_string_equal(
+        string_at(json_object_get(json_array_get(dimensions, 0), "constant"), "verdict"),
+        "disagrees");
+    assert_string_equal(
+        string_at(json_object_get(json_array_get(dimensions, 1), "constant"), "verdict"), "agrees");
+    assert_non_null(json_object_get(json_object_get(hostile, "refused"), "3"));
+    assert_non_null(strstr(pages.html, "4 claimed: <span class=\"v disagrees\">"));
+    assert_true(json_is_null(json_object_get(json_array_get(kernels, 0), "agreement")));
+    const json_t *check;
+    size_t i, failed = 0;
+    json_array_foreach(json_object_get(hostile, "checks"), i, check)
+    {
+        if (strcmp(string_at(check, "verdict"), "disagrees") != 0) continue;
+        failed++;
+        // Each is named on the page before the details, and in the Markdown.
+        assert_non_null(strstr(strstr(pages.html, "kernel-2\"><h3>"), string_at(check, "id")));
+    }
+    assert_true(failed >= 2);
+    assert_true(count(pages.markdown, "- **disagrees** ") >= failed);
+    pages_free(&pages, &stage);
+}
+
+/// The numbers of the slips against values worked out apart with 30 digits (theory of the paper's
+/// section 3): they are printed there to three digits, hence half a unit of the third.
+static void the_slips_show_their_numbers(void **state)
+{
+    (void)state;
+    static const double measured[] = {-3.19e-3, -2.29e-4, -8.91e-6, -4.77e-7};
+    static const double printed[] = {3.62e-3, 2.41e-4, 9.06e-6, 4.80e-7};
+    struct stage stage;
+    struct pages pages;
+    pages_make(&pages, &stage);
+    const json_t *slips = json_object_get(pages.json, "slips");
+    const json_t *sign = json_object_get(slips, "sign");
+    assert_int_equal(json_array_size(sign), 4);
+    for (size_t i = 0; i < 4; i++) {
+        const json_t *row = json_array_get(sign, i);
+        double digit = pow(10, floor(log10(fabs(measured[i]))) - 2);
+        assert_close(json_number_value(json_object_get(json_object_get(row, "measured"), "value")),
+                     measured[i], digit / 2);
+        digit = pow(10, floor(log10(printed[i])) - 2);
+        assert_close(-json_number_value(json_object_get(row, "first_term")), printed[i], digit / 2);
+        assert_string_equal(string_at(row, "mended_verdict"), "agrees");
+        assert_string_equal(string_at(row, "printed_verdict"), "disagrees");
+    }
+    const json_t *knots = json_object_get(slips, "interior_knots"), *term;
+    double sum[2] = {0, 0};
+    size_t i;
+    json_array_foreach(json_object_get(knots, "terms"), i, term)
+    {
+        json_int_t p = json_integer_value(json_object_get(term, "p"));
+        if (p == 3 || p == 4) sum[p - 3] += json_number_value(json_object_get(term, "value"));
+    }
+    assert_close(sum[0], -2.997e-3, 5e-7);
+    assert_close(sum[1], -3.45e-4, 5e-7);
+    assert_string_equal(string_at(knots, "exact_verdict"), "agrees");
+    assert_string_equal(string_at(knots, "paper_verdict"), "disagrees");
+    pages_free(&pages, &stage);
+}
+
+static void json_holds_every_digit(void **state)
+{
+    (void)state;
+    struct stage stage;
+    struct pages pages;
+    pages_make(&pages, &stage);
+    const json_t *scene = json_array_get(json_object_get(pages.json, "scenes"), 0);
+    const json_t *curve = json_array_get(json_object_get(scene, "curves"), 1);
+    const json_t *samples = json_object_get(curve, "samples");
+    assert_int_equal(json_array_size(samples), stage.result->sample_count[1]);
+    for (size_t i = 0; i < json_array_size(samples); i++) {
+        const sphv_sample *sample = &stage.result->samples[1][i];
+        const json_t *found = json_array_get(samples, i);
+        assert_true(json_number_value(json_object_get(found, "h")) == sample->h);
+        assert_true(
+            json_number_value(json_object_get(json_object_get(found, "analytic"), "total")) ==
+            sample->point.analytic.total.value);
+        assert_true(
+            json_number_value(json_object_get(json_object_get(found, "empirical"), "total")) ==
+            sample->point.empirical.total.value);
+    }
+    pages_free(&pages, &stage);
+}
+
+static void without_gnuplot_the_tables_remain(void **state)
+{
+    (void)state;
+    struct stage stage;
+    struct pages pages;
+    char *path = copy(getenv("PATH") ? getenv("PATH") : ""), *svg;
+    sphv_error error;
+    char *empty = folder_make();
+    setenv("PATH", empty, 1);
+    pages_make(&pages, &stage);
+    sphv_status status = sphv_plot_scene(stage.result, &svg, &error);
+    setenv("PATH", path, 1);
+    assert_failed(status, &error, SPHV_RESOURCE_FAILURE, "gnuplot cannot be run");
+    assert_null(svg);
+    assert_true(pages.plots_missing);
+    assert_null(strstr(pages.html, "<svg"));
+    assert_non_null(strstr(pages.html, "Plots are missing: gnuplot cannot be run"));
+    assert_non_null(strstr(pages.html, "All numbers of these grids"));
+    assert_non_null(strstr(pages.markdown, "## Verdicts"));
+    pages_free(&pages, &stage);
+    folder_remove(empty);
+    free(path);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(plots_take_any_text_as_text),
+        cmocka_unit_test(a_kernel_is_drawn_in_its_dimensions),
+        cmocka_unit_test(csv_holds_every_digit),
+        cmocka_unit_test(the_page_is_self_contained_and_inert),
+        cmocka_unit_test(false_claims_show_as_such),
+        cmocka_unit_test(the_slips_show_their_numbers),
+        cmocka_unit_test(json_holds_every_digit),
+        cmocka_unit_test(without_gnuplot_the_tables_remain),
+    };
+    return run_group(tests);
+}
