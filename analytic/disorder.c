@@ -34,15 +34,33 @@ static double error_at(sphv_method method, double K, sphv_phase phase, const sph
     return sphv_sums_error(method, K, phase, point);
 }
 
+/// Relative variance of the denominator, linearised.
+static double fluctuation(sphv_method method, const sphv_sums *sums,
+                          double l[SPHV_SUMS_MAX][SPHV_SUMS_MAX])
+{
+    double middle = sphv_sums_denominator(method, sums->mean), variance = 0;
+    for (int i = 0; i < sums->count; i++) {
+        double plus[SPHV_SUMS_MAX], minus[SPHV_SUMS_MAX];
+        for (int k = 0; k < sums->count; k++) {
+            plus[k] = sums->mean[k] + 1e-4 * l[k][i];
+            minus[k] = sums->mean[k] - 1e-4 * l[k][i];
+        }
+        double slope =
+            (sphv_sums_denominator(method, plus) - sphv_sums_denominator(method, minus)) / 2e-4;
+        variance += slope * slope;
+    }
+    return variance / (middle * middle);
+}
+
 /// The square's mean over a normal distribution by the 2n² + 1 point rule of degree 5 (Stroud
 /// 1971, E_n^r² 5-2): exact through the fourth order in the fluctuations.
-double sphv_sums_mean_square(sphv_method method, double K, sphv_phase phase, const sphv_sums *sums,
-                             double *linear)
+sphv_mean_square sphv_sums_mean_square(sphv_method method, double K, sphv_phase phase,
+                                       const sphv_sums *sums)
 {
     int n = sums->count;
-    double l[SPHV_SUMS_MAX][SPHV_SUMS_MAX], middle, variance = 0;
+    double l[SPHV_SUMS_MAX][SPHV_SUMS_MAX], variance = 0;
     root(sums, l);
-    middle = sphv_sums_error(method, K, phase, sums->mean);
+    double middle = sphv_sums_error(method, K, phase, sums->mean);
     double far = sqrt(n + 2.0), near = sqrt((n + 2.0) / 2);
     double axis = (4.0 - n) / (2 * (n + 2.0) * (n + 2.0)), plane = 1 / ((n + 2.0) * (n + 2.0));
     double sum = 2 / (n + 2.0) * middle * middle;
@@ -61,9 +79,10 @@ double sphv_sums_mean_square(sphv_method method, double K, sphv_phase phase, con
                 sum += plane * value * value;
             }
     }
-    if (linear) *linear = middle * middle + variance;
+    sphv_mean_square result = {sum, middle * middle + variance, fluctuation(method, sums, l)};
     // A linear error needs no rule, and the rule's negative weights are best avoided then.
-    return method == SPHV_SPH ? middle * middle + variance : sum;
+    if (method == SPHV_SPH || !(sum > 0)) result.value = result.linear;
+    return result;
 }
 
 /// ∂Ŵ/∂s at a signed offset.
@@ -159,37 +178,39 @@ static bool normal_rule(int count, double *nodes, double *weights)
     return true;
 }
 
-/// E[(error/max|A′|)²] averaged over the field's phase, from conditional means and covariances.
-static double mean_square(const sphv_experiment *of, double K, int node_count, int own_count,
-                          double *linear)
+static void add(sphv_mean_square *to, double weight, sphv_mean_square part)
 {
-    double nodes[NODES], weights[NODES], own[NODES], own_weights[NODES], sum = 0;
-    *linear = 0;
+    to->value += weight * part.value;
+    to->linear += weight * part.linear;
+    to->fluctuation += weight * part.fluctuation;
+}
+
+/// E[(error/max|A′|)²] averaged over the field's phase, from conditional means and covariances.
+static sphv_mean_square mean_square(const sphv_experiment *of, double K, int node_count,
+                                    int own_count)
+{
+    double nodes[NODES], weights[NODES], own[NODES], own_weights[NODES];
+    sphv_mean_square sum = {0, 0, 0};
     if (!normal_rule(node_count, nodes, weights) || !normal_rule(own_count, own, own_weights))
-        return NAN;
+        return (sphv_mean_square){NAN, NAN, NAN};
     for (int phase = SPHV_PHASE_SINE; phase <= SPHV_PHASE_COSINE; phase++)
         for (int k = 0; k < own_count; k++) {
             sphv_sums sums;
-            double by_slope;
             sphv_sums_conditional(of, K, (sphv_phase)phase, own[k], nodes, weights, node_count,
                                   &sums);
-            sum += 0.5 * own_weights[k] *
-                   sphv_sums_mean_square(of->method, K, (sphv_phase)phase, &sums, &by_slope);
-            *linear += 0.5 * own_weights[k] * by_slope;
+            add(&sum, 0.5 * own_weights[k],
+                sphv_sums_mean_square(of->method, K, (sphv_phase)phase, &sums));
         }
     return sum;
 }
 
-static double first_order_mean_square(const sphv_experiment *of, double K, double *linear)
+static sphv_mean_square first_order_mean_square(const sphv_experiment *of, double K)
 {
-    double sum = 0;
-    *linear = 0;
+    sphv_mean_square sum = {0, 0, 0};
     for (int phase = SPHV_PHASE_SINE; phase <= SPHV_PHASE_COSINE; phase++) {
         sphv_sums sums;
-        double by_slope;
         sphv_sums_first_order(of, K, (sphv_phase)phase, &sums);
-        sum += 0.5 * sphv_sums_mean_square(of->method, K, (sphv_phase)phase, &sums, &by_slope);
-        *linear += 0.5 * by_slope;
+        add(&sum, 0.5, sphv_sums_mean_square(of->method, K, (sphv_phase)phase, &sums));
     }
     return sum;
 }
@@ -228,24 +249,29 @@ sphv_status sphv_predict_disorder(const sphv_experiment *experiment, sphv_predic
     if (of->sigma == 0 && of->volume != SPHV_VOLUME_DENSITY &&
         (of->method == SPHV_SPH || of->method == SPHV_BONET_LOK))
         return predict_lattice(of, out, error);
-    double K = 2 * M_PI * of->h, linear, coarse_linear, value, neglected;
+    double K = 2 * M_PI * of->h;
+    sphv_mean_square found;
+    // Third and fourth cumulants of the sums enter with the denominator's relative variance.
+    double neglected;
     if (of->volume == SPHV_VOLUME_DENSITY) {
-        value = first_order_mean_square(of, K, &linear);
-        neglected = fabs(value - linear) + value * of->sigma;
+        found = first_order_mean_square(of, K);
+        neglected = of->sigma * found.value;
     } else {
-        value = mean_square(of, K, NODES, OWN_NODES, &linear);
-        double coarse = mean_square(of, K, NODES - 4, OWN_NODES - 2, &coarse_linear);
+        found = mean_square(of, K, NODES, OWN_NODES);
+        sphv_mean_square coarse = mean_square(of, K, NODES - 4, OWN_NODES - 2);
         // Particles change places with probability Φ(−Δx/(σ√2)) at either side of each.
         double swaps = 2 * gsl_cdf_ugaussian_P(-1 / (of->sigma * M_SQRT2 + 1e-300));
-        neglected = fabs(value - coarse) + fabs(value - linear) +
-                    (of->volume == SPHV_VOLUME_TESSELLATED ? 4 * swaps * value : 0);
+        neglected = fabs(found.value - coarse.value) +
+                    (of->volume == SPHV_VOLUME_TESSELLATED ? 4 * swaps * found.value : 0);
     }
-    if (!isfinite(value)) { // fluctuations that reach a singular moment matrix
-        value = linear;
-        neglected = linear;
+    // Fluctuations that reach a singular moment matrix leave no expansion to trust.
+    if (!(found.value < 2 * found.linear && found.value > 0.25 * found.linear)) {
+        found.value = found.linear;
+        neglected = found.linear;
     }
+    neglected += fabs(found.value - found.linear) + 4 * found.fluctuation * found.value;
     out->smoothing = out->discretisation = out->total = (sphv_result){NAN, INFINITY};
-    out->l2.value = sqrt(value);
+    out->l2.value = sqrt(found.value);
     out->l2.bound = neglected / (2 * out->l2.value) + 1e-12 * out->l2.value;
     out->rigour = SPHV_RIGOUR_STATISTICAL;
     return SPHV_OK;

@@ -28,6 +28,9 @@ int sphv_sums_count(sphv_method method);
 void sphv_sums_summand(sphv_method method, const sphv_profile *profile, double K, sphv_phase phase,
                        double s, double *z);
 
+/// What the method divides by: the determinant of its moment matrix.
+double sphv_sums_denominator(sphv_method method, const double *sums);
+
 /// The error of the gradient, divided by max|A′|, that the method makes of its sums.
 double sphv_sums_error(sphv_method method, double K, sphv_phase phase, const double *sums);
 
@@ -44,9 +47,15 @@ void sphv_sums_conditional(const sphv_experiment *experiment, double K, sphv_pha
 void sphv_sums_first_order(const sphv_experiment *experiment, double K, sphv_phase phase,
                            sphv_sums *out);
 
+/// What a method makes of random sums.
+typedef struct sphv_mean_square {
+    double value;       ///< E[error²], to second order in the sums' fluctuations
+    double linear;      ///< the same by linearisation about the mean
+    double fluctuation; ///< relative variance of the denominator
+} sphv_mean_square;
+
 /// E[error²] of a method whose sums have this mean and covariance.
-/// \param linear receives the same by linearisation about the mean; may be NULL
-double sphv_sums_mean_square(sphv_method method, double K, sphv_phase phase, const sphv_sums *sums,
-                             double *linear);
+sphv_mean_square sphv_sums_mean_square(sphv_method method, double K, sphv_phase phase,
+                                       const sphv_sums *sums);
 
 #endif

@@ -109,6 +109,26 @@ static double moving_least_squares(int order, const double *sums)
     return gradient;
 }
 
+double sphv_sums_denominator(sphv_method method, const double *sums)
+{
+    const double *w = sums;
+    switch (method) {
+    case SPHV_SPH:
+        return 1;
+    case SPHV_BONET_LOK:
+        return w[5] * w[1] - w[4] * w[0];
+    case SPHV_SHEPARD:
+    case SPHV_RKPM_0:
+        return w[0];
+    case SPHV_RKPM:
+        return w[0] * w[2] - w[1] * w[1];
+    case SPHV_RKPM_2:
+        return w[0] * (w[2] * w[4] - w[3] * w[3]) - w[1] * (w[1] * w[4] - w[3] * w[2]) +
+               w[2] * (w[1] * w[3] - w[2] * w[2]);
+    }
+    return 1;
+}
+
 double sphv_sums_error(sphv_method method, double K, sphv_phase phase, const double *sums)
 {
     double exact = phase == SPHV_PHASE_SINE && sphv_methods[method].consistency < 1 ? K : 0;

@@ -6,8 +6,13 @@
 #include "estimate.h"
 #include "internal.h"
 
-/// At most this many particles of a realisation are evaluated, spread evenly over the wavelength.
-enum { PARTICLES_MAX = 512, BATCH = 8 };
+/// Particles of a realisation that are evaluated: those of one wavelength, but at most
+/// PARTICLES_MAX, spread evenly, and on a lattice, which has no end, at least PARTICLES_MIN.
+enum { PARTICLES_MIN = 256, PARTICLES_MAX = 512, BATCH = 8 };
+
+/// Of the interval around a Monte-Carlo mean: a report holds hundreds of them, and at 95 % one in
+/// twenty would seem to disagree by chance.
+static const double confidence = 0.999;
 
 /// What one realisation found.
 struct realisation {
@@ -69,9 +74,12 @@ static void run_realisation(const sphv_experiment *experiment, int number, struc
     *out = (struct realisation){.worst_condition = 1};
     out->status = sphv_cloud_make(&cloud, experiment, number, NULL);
     if (out->status == SPHV_OK) {
-        long count = cloud.particles < PARTICLES_MAX ? cloud.particles : PARTICLES_MAX;
+        long all = cloud.particles;
+        if (!cloud.x && experiment->layout == SPHV_PERTURBED && all < PARTICLES_MIN)
+            all = PARTICLES_MIN;
+        long count = all < PARTICLES_MAX ? all : PARTICLES_MAX;
         for (long i = 0; i < count && out->status == SPHV_OK; i++) {
-            long index = (long)((double)i * (double)cloud.particles / (double)count);
+            long index = (long)((double)i * (double)all / (double)count);
             evaluate(&cloud, index, &around, &field, &field_size, out, &squares);
         }
     }
@@ -82,7 +90,7 @@ static void run_realisation(const sphv_experiment *experiment, int number, struc
     sphv_cloud_free(&cloud);
 }
 
-/// Mean over realisations with the half-width of its 95 % interval (Student's t).
+/// Mean over realisations with the half-width of its 99.9 % interval (Student's t).
 static sphv_result interval(const struct realisation *found, int count)
 {
     double mean = 0, squares = 0;
@@ -95,7 +103,7 @@ static sphv_result interval(const struct realisation *found, int count)
     }
     if (used < 2) return (sphv_result){used ? mean : NAN, INFINITY};
     double error = sqrt(squares / (used - 1.0) / used);
-    return (sphv_result){mean, gsl_cdf_tdist_Pinv(0.975, used - 1.0) * error};
+    return (sphv_result){mean, gsl_cdf_tdist_Pinv(1 - 0.5 * (1 - confidence), used - 1.0) * error};
 }
 
 static void collect(const struct realisation *found, int count, double h,

@@ -26,8 +26,10 @@ sphv_verdict sphv_compare(sphv_result analytic, sphv_result empirical, double sc
 typedef struct sphv_point {
     sphv_prediction analytic;
     sphv_measurement empirical;
-    double difference; ///< analytic − empirical total
+    double difference; ///< analytic − empirical total, or l2 where no total exists
     sphv_verdict verdict;
+    bool statistical; ///< l2 is an expectation beside a Monte-Carlo mean; `total.value` is NaN
+    sphv_disorder_measurement disorder; ///< of the measurement, where it is statistical
 } sphv_point;
 
 /// Smallest and largest arguments that `sphv_evaluate_point` accepts.
@@ -47,6 +49,14 @@ sphv_status sphv_check_point(const sphv_profile *profile, double h, sphv_number 
 sphv_status sphv_evaluate_point(const sphv_profile *profile, double h, sphv_number spacing,
                                 sphv_form_of_theory form, bool exhaustive, sphv_progress progress,
                                 void *context, sphv_point *out, sphv_error *error) SPHV_MUST_CHECK;
+
+/// Evaluates both halves of an experiment. Standard SPH on a lattice is `sphv_evaluate_point`; all
+/// else compares L2 norms, prediction beside Monte-Carlo mean, and is `inconclusive` when either's
+/// interval is wider than the experiment asks or no theory exists. `total.value` is NaN then and
+/// `total.bound` that of `l2`.
+sphv_status sphv_evaluate_experiment(const sphv_experiment *experiment, sphv_progress progress,
+                                     void *context, sphv_point *out,
+                                     sphv_error *error) SPHV_MUST_CHECK;
 
 /// Least-squares slope of log|y| against log x with the standard error of the slope; points with
 /// y = 0 are left out. NaN when fewer than two remain.

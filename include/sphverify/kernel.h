@@ -60,8 +60,8 @@ typedef struct sphv_piece {
     /// For each centre degree + 1 coefficients, ascending powers, then degree + 1 weights: the
     /// rounding of the value is at most u Σ weight[i] |q − centre|^i.
     const double *taylor;
-    const int *serving;        ///< [k]: the expansion used where the k-th centre is nearest
-    double *derivative_bound;  ///< [n] ≥ sup |Ŵ^(n)|/n! on the piece, n = 0 … SPHV_JET_MAX
+    const int *serving;       ///< [k]: the expansion used where the k-th centre is nearest
+    double *derivative_bound; ///< [n] ≥ sup |Ŵ^(n)|/n! on the piece, n = 0 … SPHV_JET_MAX
 } sphv_piece;
 
 /// The normalised kernel Ŵ in one dimension count, compiled for evaluation. Read-only once made,

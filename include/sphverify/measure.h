@@ -46,23 +46,23 @@ sphv_status sphv_measure_lattice_exhaustive(const sphv_profile *profile, double 
 
 /// What a Monte-Carlo measurement found.
 typedef struct sphv_disorder_measurement {
-    sphv_result mean_square; ///< of error/max|A′|, bound: half-width of its 95 % interval
+    sphv_result mean_square; ///< of error/max|A′|, bound: half-width of its 99.9 % interval
     sphv_result l2;          ///< its square root, the L2 norm
     int realisations;
-    long particles, pairs;   ///< estimates made, and kernel evaluations for them
+    long particles, pairs;                      ///< estimates made, and kernel evaluations for them
     long singular, ill_conditioned, not_finite; ///< particles without a usable estimate, by reason
-    double worst_condition;  ///< largest condition number met
+    double worst_condition;                     ///< largest condition number met
     double seconds;
 } sphv_disorder_measurement;
 
 /// L2 norm of the error over independent realisations of a layout, averaged over the field's phase;
-/// of a long wavelength 512 particles spread evenly are evaluated; particles without a usable
+/// 256 to 512 particles are evaluated, spread evenly over one wavelength or more; particles without a usable
 /// estimate (moment matrix singular, or its condition number above 1/√ε) are left out of the norm
-/// and counted by reason. Realisations are added until the 95 % interval of the norm is as narrow
+/// and counted by reason. Realisations are added until the 99.9 % interval of the norm is as narrow
 /// as the experiment asks, or its realisations are used up. The same for any number of threads.
 /// \param progress may be NULL
 sphv_status sphv_measure_disorder(const sphv_experiment *experiment, sphv_progress progress,
-                                  void *context, sphv_disorder_measurement *out, sphv_error *error)
-    SPHV_MUST_CHECK;
+                                  void *context, sphv_disorder_measurement *out,
+                                  sphv_error *error) SPHV_MUST_CHECK;
 
 #endif

@@ -69,7 +69,7 @@ typedef struct sphv_experiment {
     sphv_volume volume;
     double sigma; ///< σ/Δx of the perturbed layout
     uint64_t seed;
-    double width; ///< wanted relative half-width of the L2 norm's 95 % interval
+    double width; ///< wanted relative half-width of the L2 norm's 99.9 % interval
     int realisations_min, realisations_max;
 } sphv_experiment;
 

@@ -21,6 +21,8 @@ typedef struct sphv_curve {
     double h;                    ///< where h is not the abscissa
     sphv_number spacing;         ///< where the spacing is not the abscissa
     char *spacing_text;          ///< as written in the scene
+    double spacing_exponent; ///< over h: Δx/h = spacing·(h/h_to)^exponent, 0 for a constant one
+    sphv_experiment experiment; ///< method, layout, volume rule, σ and realisations
 } sphv_curve;
 
 /// A sentence of the paper (or of this project's theory) with what to measure.
@@ -45,6 +47,7 @@ typedef struct sphv_scene {
     double from, to;
     bool logarithmic; ///< abscissa spaced and drawn logarithmically
     size_t points;    ///< empirical points per curve
+    bool statistical; ///< a curve needs chance or another method: every value is an L2 norm
     size_t markers;   ///< analytic points drawn per curve where the abscissa is h or q
     size_t curve_count, claim_count;
     sphv_curve *curves;

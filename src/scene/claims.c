@@ -3,9 +3,13 @@
 
 #include "internal.h"
 
-static double value_of(const sphv_sample *sample, bool empirical)
+/// What a curve shows at a sample: the signed error or Ŵ, in statistical scenes the L2 norm.
+static double value_of(const sphv_scene_result *result, const sphv_sample *sample, bool empirical)
 {
-    return empirical ? sample->point.empirical.total.value : sample->point.analytic.total.value;
+    const sphv_point *point = &sample->point;
+    if (result->scene->statistical)
+        return empirical ? point->empirical.l2.value : point->analytic.l2.value;
+    return empirical ? point->empirical.total.value : point->analytic.total.value;
 }
 
 /// Whether a claim looks at a sample. The range is widened by rounding so that its ends count.
@@ -25,7 +29,7 @@ static double slope(const sphv_scene_result *result, const sphv_claim *claim, bo
         const sphv_sample *sample = &result->samples[claim->curve][i];
         if (!counts(claim, sample)) continue;
         x[used] = sample->x;
-        x[count + used++] = value_of(sample, empirical);
+        x[count + used++] = value_of(result, sample, empirical);
     }
     double fitted = used >= 3 ? sphv_fit_slope(x, x + count, used).value : NAN;
     free(x);
@@ -53,7 +57,7 @@ static void for_common(const sphv_scene_result *result, const sphv_claim *claim,
         if (j == others) break;
         const sphv_sample *other = &result->samples[claim->reference][j];
         if (other->x <= own->x * (1 + 1e-12))
-            take(value_of(own, empirical), value_of(other, empirical), state);
+            take(value_of(result, own, empirical), value_of(result, other, empirical), state);
     }
 }
 
@@ -90,7 +94,7 @@ static double sign_changes(const sphv_scene_result *result, const sphv_claim *cl
     double last = 0, changes = 0;
     for (size_t i = 0; i < result->sample_count[claim->curve]; i++) {
         const sphv_sample *sample = &result->samples[claim->curve][i];
-        double value = value_of(sample, empirical);
+        double value = value_of(result, sample, empirical);
         if (!counts(claim, sample) || value == 0) continue;
         changes += last * value < 0;
         last = value;
@@ -106,7 +110,7 @@ static double value(const sphv_scene_result *result, const sphv_claim *claim, bo
         const sphv_sample *sample = &result->samples[claim->curve][i];
         if (fabs(sample->x - claim->from) < nearest) {
             nearest = fabs(sample->x - claim->from);
-            found = value_of(sample, empirical);
+            found = value_of(result, sample, empirical);
         }
     }
     return found;

@@ -16,4 +16,7 @@ sphv_status sphv_compare_paper(const sphv_profile *profile, double h, sphv_numbe
                                const sphv_measurement *measured, sphv_prediction *paper,
                                sphv_verdict *verdict, sphv_error *error) SPHV_MUST_CHECK;
 
+/// Δx/h of a curve over h: constant, or following a power of h.
+sphv_number sphv_curve_spacing(const sphv_scene *scene, const sphv_curve *curve, double h);
+
 #endif

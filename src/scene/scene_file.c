@@ -5,7 +5,7 @@
 
 #include "core/directory.h"
 #include "core/yaml_file.h"
-#include "sphverify/scene.h"
+#include "internal.h"
 
 /// The file as libcyaml fills it.
 struct file_abscissa {
@@ -16,7 +16,14 @@ struct file_abscissa {
 };
 
 struct file_curve {
-    char *id, *label, *kernel, *h, *spacing;
+    char *id, *label, *kernel, *h, *spacing, *spacing_exponent;
+    char *method, *layout, *volume, *sigma;
+};
+
+struct file_realisations {
+    int least, most;
+    char *width;
+    int *seed;
 };
 
 struct file_claim {
@@ -28,6 +35,7 @@ struct file_claim {
 struct file_scene {
     char *name, *title, *source, *notes;
     struct file_abscissa abscissa;
+    struct file_realisations *realisations;
     struct file_curve *curves;
     struct file_claim *claims;
     unsigned curves_count, claims_count;
@@ -57,7 +65,18 @@ static const cyaml_schema_field_t curve_fields[] = {
     TEXT("kernel", CYAML_FLAG_POINTER, struct file_curve, kernel, 400),
     TEXT("h", OPTIONAL, struct file_curve, h, 80),
     TEXT("spacing", OPTIONAL, struct file_curve, spacing, 80),
+    TEXT("spacing_exponent", OPTIONAL, struct file_curve, spacing_exponent, 80),
+    TEXT("method", OPTIONAL, struct file_curve, method, 40),
+    TEXT("layout", OPTIONAL, struct file_curve, layout, 40),
+    TEXT("volume", OPTIONAL, struct file_curve, volume, 40),
+    TEXT("sigma", OPTIONAL, struct file_curve, sigma, 80),
     CYAML_FIELD_END};
+
+static const cyaml_schema_field_t realisation_fields[] = {
+    CYAML_FIELD_INT("least", CYAML_FLAG_DEFAULT, struct file_realisations, least),
+    CYAML_FIELD_INT("most", CYAML_FLAG_DEFAULT, struct file_realisations, most),
+    TEXT("width", CYAML_FLAG_POINTER, struct file_realisations, width, 80),
+    CYAML_FIELD_INT_PTR("seed", OPTIONAL, struct file_realisations, seed), CYAML_FIELD_END};
 
 static const cyaml_schema_field_t claim_fields[] = {
     TEXT("id", CYAML_FLAG_POINTER, struct file_claim, id, 60),
@@ -86,6 +105,8 @@ static const cyaml_schema_field_t scene_fields[] = {
     TEXT("notes", OPTIONAL, struct file_scene, notes, 4000),
     CYAML_FIELD_MAPPING("abscissa", CYAML_FLAG_DEFAULT, struct file_scene, abscissa,
                         abscissa_fields),
+    CYAML_FIELD_MAPPING_PTR("realisations", OPTIONAL, struct file_scene, realisations,
+                            realisation_fields),
     CYAML_FIELD_SEQUENCE("curves", CYAML_FLAG_POINTER, struct file_scene, curves, &curve_entry, 1,
                          40),
     CYAML_FIELD_SEQUENCE("claims", OPTIONAL, struct file_scene, claims, &claim_entry, 0, 100),
@@ -169,13 +190,73 @@ static sphv_status check_range(const struct reader *of, unsigned index, const sp
     for (int i = 0; i < 2; i++) {
         bool over_h = scene->abscissa == SPHV_OVER_H;
         double h = over_h ? ends[i] : curve->h;
-        sphv_number spacing = over_h ? curve->spacing : sphv_number_from_double(ends[i]);
+        sphv_number spacing =
+            over_h ? sphv_curve_spacing(scene, curve, h) : sphv_number_from_double(ends[i]);
         if (sphv_check_point(curve->profile, h, spacing, &reason) == SPHV_OK) continue;
         char place[64];
         snprintf(place, sizeof place, "curves.%u", index);
         return sphv_yaml_fail(of->yaml, place, of->error, "curve '%s': %s", curve->id,
                               reason.message);
     }
+    return SPHV_OK;
+}
+
+/// The realisations that the whole scene asks for; a width of 2 % from 8 to 64 unless it says.
+static sphv_status read_realisations(const struct reader *of, sphv_experiment *out)
+{
+    const struct file_realisations *file = of->file->realisations;
+    *out =
+        (sphv_experiment){.seed = 1, .width = 0.02, .realisations_min = 8, .realisations_max = 64};
+    if (!file) return SPHV_OK;
+    sphv_number width;
+    sphv_status status = number(of, "realisations.width", file->width, &width);
+    if (status != SPHV_OK) return status;
+    if (!(width.value > 0 && width.value < 1) || file->least < 2 || file->most < file->least ||
+        file->most > 100000)
+        return sphv_yaml_fail(of->yaml, "realisations", of->error,
+                              "%d to %d realisations for a width of %s; allowed: 2 to 100000, "
+                              "ascending, and a width between 0 and 1",
+                              file->least, file->most, file->width);
+    out->width = width.value;
+    out->realisations_min = file->least;
+    out->realisations_max = file->most;
+    if (file->seed) out->seed = (uint64_t)*file->seed;
+    return SPHV_OK;
+}
+
+/// Method, layout, volume rule and σ of a curve.
+static sphv_status read_experiment(const struct reader *of, unsigned index, sphv_curve *curve)
+{
+    const struct file_curve *file = &of->file->curves[index];
+    sphv_experiment *experiment = &curve->experiment;
+    sphv_error reason = {SPHV_OK, ""};
+    sphv_number sigma = {0, 0}, exponent = {0, 0};
+    char place[64];
+    snprintf(place, sizeof place, "curves.%u", index);
+    sphv_status status = read_realisations(of, experiment);
+    if (status != SPHV_OK) return status;
+    if (file->method) status = sphv_method_parse(file->method, &experiment->method, &reason);
+    if (status == SPHV_OK && file->layout)
+        status = sphv_layout_parse(file->layout, &experiment->layout, &reason);
+    if (status == SPHV_OK && file->volume)
+        status = sphv_volume_parse(file->volume, &experiment->volume, &reason);
+    if (status == SPHV_OK && file->sigma) status = sphv_number_parse(file->sigma, &sigma, &reason);
+    if (status == SPHV_OK && file->spacing_exponent)
+        status = sphv_number_parse(file->spacing_exponent, &exponent, &reason);
+    experiment->sigma = sigma.value;
+    experiment->profile = curve->profile;
+    experiment->h = 1;
+    curve->spacing_exponent = exponent.value;
+    if (status == SPHV_OK) status = sphv_experiment_check(experiment, &reason);
+    if (status == SPHV_OK && file->spacing_exponent && of->scene->abscissa != SPHV_OVER_H)
+        status = sphv_fail(&reason, SPHV_INVALID_INPUT,
+                           "'spacing_exponent'; allowed: where h is the abscissa");
+    if (status != SPHV_OK)
+        return sphv_yaml_fail(of->yaml, place, of->error, "curve '%s': %s", curve->id,
+                              reason.message);
+    if (experiment->method != SPHV_SPH || experiment->layout != SPHV_LATTICE ||
+        experiment->volume != SPHV_VOLUME_LATTICE)
+        of->scene->statistical = true;
     return SPHV_OK;
 }
 
@@ -206,7 +287,8 @@ static sphv_status read_curve(const struct reader *of, unsigned index)
         return sphv_yaml_fail(of->yaml, place, of->error,
                               "kernel '%s' is not legal in 1 dimension; allowed: %s", file->kernel,
                               sphv_kernel_refusal(curve->kernel, 1));
-    return check_range(of, index, curve);
+    status = read_experiment(of, index, curve);
+    return status == SPHV_OK ? check_range(of, index, curve) : status;
 }
 
 static sphv_status find_curve(const struct reader *of, unsigned claim, const char *key,

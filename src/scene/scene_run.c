@@ -63,14 +63,22 @@ static sphv_status evaluate(const sphv_scene *scene, const sphv_curve *curve, sp
         evaluate_profile(curve, sample);
         return SPHV_OK;
     }
-    sphv_status status =
-        sphv_evaluate_point(curve->profile, sample->h, sample->spacing, SPHV_FORM_EXACT, false,
-                            NULL, NULL, &sample->point, error);
+    sphv_experiment experiment = curve->experiment;
+    experiment.h = sample->h;
+    experiment.spacing = sample->spacing;
+    sphv_status status = sphv_evaluate_experiment(&experiment, NULL, NULL, &sample->point, error);
     if (status == SPHV_OK && sample->n >= 0)
         status =
             sphv_compare_paper(curve->profile, sample->h, sample->spacing, &sample->point.empirical,
                                &sample->paper, &sample->paper_verdict, error);
     return status;
+}
+
+sphv_number sphv_curve_spacing(const sphv_scene *scene, const sphv_curve *curve, double h)
+{
+    if (curve->spacing_exponent == 0) return curve->spacing;
+    return sphv_number_from_double(curve->spacing.value *
+                                   pow(h / scene->to, curve->spacing_exponent));
 }
 
 static double abscissa_at(const sphv_scene *scene, size_t i)
@@ -93,7 +101,7 @@ static sphv_status lay_out(const sphv_scene *scene, const sphv_curve *curve, siz
                            sphv_sample **out, sphv_error *error)
 {
     long first = 0, last = -1;
-    if (scene->abscissa == SPHV_OVER_SPACING) {
+    if (scene->abscissa == SPHV_OVER_SPACING && !scene->statistical) {
         // 2κ/(2n+1) ≤ to and ≥ from
         first = (long)fmax(1, ceil(curve->profile->support / scene->to - 0.5 - 1e-9));
         last = (long)floor(curve->profile->support / scene->from - 0.5 + 1e-9);
@@ -107,12 +115,14 @@ static sphv_status lay_out(const sphv_scene *scene, const sphv_curve *curve, siz
         sphv_sample *sample = &samples[i];
         sample->x = abscissa_at(scene, i);
         sample->h = scene->abscissa == SPHV_OVER_H ? sample->x : curve->h;
-        sample->spacing = scene->abscissa == SPHV_OVER_SPACING ? sphv_number_from_double(sample->x)
-                                                               : curve->spacing;
-        sample->n =
-            scene->abscissa == SPHV_OVER_Q ? -1 : sphv_special_n(curve->profile, sample->spacing);
-        sample->marked =
-            scene->abscissa != SPHV_OVER_SPACING && scene->markers > 0 && i % every == 0;
+        sample->spacing = scene->abscissa == SPHV_OVER_SPACING
+                              ? sphv_number_from_double(sample->x)
+                              : sphv_curve_spacing(scene, curve, sample->h);
+        sample->n = scene->abscissa == SPHV_OVER_Q || scene->statistical
+                        ? -1
+                        : sphv_special_n(curve->profile, sample->spacing);
+        sample->marked = (scene->abscissa != SPHV_OVER_SPACING || scene->statistical) &&
+                         scene->markers > 0 && i % every == 0;
     }
     for (size_t i = 0; i < special; i++) {
         sphv_sample *sample = &samples[scene->points + i];
@@ -177,7 +187,7 @@ static sphv_status evaluate_all(sphv_scene_result *result, sphv_progress progres
     for (size_t c = 0; c < scene->curve_count; c++) all += result->sample_count[c];
     for (size_t c = 0; c < scene->curve_count; c++) {
         long count = (long)result->sample_count[c];
-#pragma omp parallel for schedule(dynamic, 8)
+#pragma omp parallel for schedule(dynamic, 1)
         for (long i = 0; i < count; i++) {
             sphv_error reason;
             sphv_status status =
