@@ -347,8 +347,10 @@ static bool try_truncation(struct search *search)
     mpq_t *outer = &search->trial.outer[search->trial.count - 1];
     mpq_set(was, *outer);
     double kappa = mpq_get_d(was);
-    bool found = false;
-    for (int parts = 1; !found && parts <= 4; parts++)
+    const sphv_polynomial *last = &search->trial.polynomial[search->trial.count - 1];
+    bool found = false, zero = true;
+    for (int k = 0; k <= last->degree; k++) zero = zero && mpq_sgn(last->coefficient[k]) == 0;
+    for (int parts = 1; !found && !zero && parts <= 4; parts++)
         for (int n = 1; !found && n <= 8 * parts; n++) {
             mpq_set_si(end, n, (unsigned)parts);
             mpq_canonicalize(end);
@@ -499,15 +501,19 @@ static int differing_coefficients(const sphv_kernel *kernel, const sphv_kernel *
 }
 
 /// Are these the coefficients of a known kernel, each to 1 %, but not exact?
-static bool rounded_from(const sphv_kernel *kernel, const sphv_kernel *known)
+/// \param single receives whether single precision explains all of them
+static bool rounded_from(const sphv_kernel *kernel, const sphv_kernel *known, bool *single)
 {
+    *single = true;
     for (int i = 0; i < kernel->pieces.count; i++) {
         const sphv_polynomial *p = &kernel->pieces.polynomial[i];
         const sphv_polynomial *r = &known->pieces.polynomial[i];
         if (p->degree != r->degree) return false;
         for (int k = 0; k <= p->degree; k++) {
-            double given = mpq_get_d(p->coefficient[k]), right = mpq_get_d(r->coefficient[k]);
+            double given = sphv_rational_round(p->coefficient[k]);
+            double right = sphv_rational_round(r->coefficient[k]);
             if (fabs(given - right) > 0.01 * fabs(right)) return false;
+            *single = *single && given == (double)(float)right;
         }
     }
     return true;
@@ -528,12 +534,12 @@ static void name_resemblance(sphv_examination *of)
     const sphv_catalogue *reference = of->options->reference;
     int fewest = 1000, piece = 0, power = 0;
     const sphv_kernel *nearest = NULL;
-    bool rounded = false;
+    bool rounded = false, single = false;
     for (size_t i = 0; !rounded && reference && i < reference->count; i++) {
         int at_piece = 0, at_power = 0;
         int different =
             differing_coefficients(of->kernel, reference->kernels[i], &at_piece, &at_power);
-        rounded = different > 1 && rounded_from(of->kernel, reference->kernels[i]);
+        rounded = different > 1 && rounded_from(of->kernel, reference->kernels[i], &single);
         if (!rounded && (different <= 0 || different >= fewest)) continue;
         fewest = different;
         nearest = reference->kernels[i];
@@ -542,8 +548,8 @@ static void name_resemblance(sphv_examination *of)
     }
     if (rounded) {
         snprintf(of->repair, sizeof of->repair,
-                 "these are the coefficients of %s, %d of them rounded; write them exactly",
-                 sphv_kernel_name(nearest), fewest);
+                 "these are the coefficients of %s, %d of them rounded%s; write them exactly",
+                 sphv_kernel_name(nearest), fewest, single ? " to single precision" : "");
         return;
     }
     if (!nearest || 2 * fewest > all_coefficients(&nearest->pieces)) return;
