@@ -59,8 +59,9 @@ static void csv_quotes_what_would_break_a_row(void **state)
 static void gnuplot_strings_cannot_be_left(void **state)
 {
     (void)state;
-    assert_written(put_gnuplot_ten, "it's", "\"it\\047s\"");
-    assert_written(put_gnuplot_ten, "\"`\\λ", "\"\\042\\140\\134λ\"");
+    assert_written(put_gnuplot_ten, "it's", "\"it\\047\" . \"s\"");
+    assert_written(put_gnuplot_ten, "\"`\\λ", "\"\\042\" . \"\\140\" . \"\\134\" . \"λ\"");
+    assert_written(put_gnuplot_ten, "h/λ = 0.5", "\"h/λ = 0.5\"");
     assert_written(put_gnuplot_ten, "a\nb\tc", "\"a b c\"");
     assert_written(put_gnuplot_ten, "1234567890", "\"1234567890\"");
     assert_written(put_gnuplot_ten, "12345678901", "\"123456789…\"");
