@@ -40,8 +40,8 @@ void sphv_scene_csv(FILE *stream, const sphv_scene_result *result);
 typedef struct sphv_report {
     size_t kernel_count, scene_count;
     sphv_kernel **kernels;
-    sphv_agreement **agreements;     ///< per kernel, NULL where it is not legal in one dimension
-    sphv_check_report *checks; ///< per kernel; NULL when the kernels were not checked
+    sphv_agreement **agreements; ///< per kernel, NULL where it is not legal in one dimension
+    sphv_check_report *checks;   ///< per kernel; NULL when the kernels were not checked
     sphv_scene_result **scenes;
     sphv_verdict verdict;
     double seconds;

@@ -14,8 +14,6 @@
 #include <time.h>
 #include <unistd.h>
 
-extern char **environ;
-
 enum { OUTPUT_MAX = 64 << 20, CHUNK = 1 << 16, COMPLAINT = 240 };
 
 /// The parent's ends, and what has passed through them.
