@@ -272,6 +272,11 @@ static void put_kernel(FILE *stream, const sphv_kernel_facts *facts)
     put_constants(stream, facts);
     if (facts->check) put_checks(stream, facts);
     if (facts->agreement) put_agreement(stream, facts->agreement);
+    if (sphv_kernel_paper_failure(facts)) {
+        fputc('\n', stream);
+        sphv_put_markdown(stream, sphv_kernel_paper_failure(facts));
+        fputc('\n', stream);
+    }
 }
 
 void sphv_render_markdown(FILE *stream, const sphv_rendering *rendering)
