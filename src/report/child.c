@@ -187,7 +187,7 @@ sphv_status sphv_child_run(char *const *arguments, const char *input, size_t inp
     sphv_status status;
     if (reason) {
         status = sphv_fail(error, SPHV_RESOURCE_FAILURE, "%s cannot be run: %s", arguments[0],
-                           strerror(reason));
+                           reason == ENOENT ? "it is not on PATH" : strerror(reason));
     } else {
         bool stopped = false;
         const char *trouble = converse(&talk, deadline);

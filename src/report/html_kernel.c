@@ -116,7 +116,8 @@ static void put_grid(FILE *stream, const sphv_agreement *agreement, bool paper)
     static const char *const cells[] = {"<td class=a>✓", "<td class=d>✗", "<td class=i>?"};
     const size_t *counts = paper ? agreement->paper : agreement->exact;
     fprintf(stream,
-            "<div class=scroll tabindex=0><table class=grid><caption>%s: ✓ agrees (%zu), "
+            SPHV_HTML_SCROLL
+            "<table class=grid><caption>%s: ✓ agrees (%zu), "
             "✗ disagrees (%zu), ? inconclusive (%zu)</caption><thead><tr><th scope=col>h/λ \\ n",
             paper ? "Paper’s form" : "Exact form", counts[SPHV_AGREES], counts[SPHV_DISAGREES],
             counts[SPHV_INCONCLUSIVE]);

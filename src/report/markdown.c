@@ -296,8 +296,8 @@ void sphv_render_markdown(FILE *stream, const sphv_rendering *rendering)
         fputc('\n', stream);
     }
     put_slips(stream, &rendering->slips);
-    fputs("\n## Scenes\n", stream);
-    for (size_t i = 0; i < report->scene_count; i++) put_scene(stream, report->scenes[i]);
     fputs("\n## Kernels\n", stream);
     for (size_t i = 0; i < report->kernel_count; i++) put_kernel(stream, &rendering->facts[i]);
+    fputs("\n## Scenes\n", stream);
+    for (size_t i = 0; i < report->scene_count; i++) put_scene(stream, report->scenes[i]);
 }

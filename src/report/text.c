@@ -99,12 +99,11 @@ void sphv_put_markdown(FILE *stream, const char *text)
         case '@':
             fputs("&#64;", stream);
             break;
-        case ':':
-            fputs("&#58;", stream);
-            break; // no automatic links
         default:
-            if (strchr("\\`*_{}[]()#!~$^=", c[0])) fputc('\\', stream);
-            fputs(c, stream);
+            // Parentheses and braces mean nothing once the square brackets are escaped.
+            if (strchr("\\`*_[]#~$", c[0])) fputc('\\', stream);
+            // No automatic links.
+            fputs(c[0] == ':' && text[0] == '/' ? "&#58;" : c, stream);
         }
     }
 }

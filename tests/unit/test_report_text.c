@@ -45,7 +45,8 @@ static void markdown_shows_markup_as_text(void **state)
 {
     (void)state;
     assert_written(sphv_put_markdown, "a|b *c* _d_ `e` [f](g) <h> ![i]\n# j",
-                   "a&#124;b \\*c\\* \\_d\\_ \\`e\\` \\[f\\]\\(g\\) &lt;h&gt; \\!\\[i\\] \\# j");
+                   "a&#124;b \\*c\\* \\_d\\_ \\`e\\` \\[f\\](g) &lt;h&gt; !\\[i\\] \\# j");
+    assert_written(sphv_put_markdown, "E: see http://x.y", "E: see http&#58;//x.y");
 }
 
 static void csv_quotes_what_would_break_a_row(void **state)
