@@ -88,10 +88,3 @@ bool sphv_candidate_fits(const sphv_kernel *kernel, const sphv_exact_pieces *pie
             return false;
     return true;
 }
-
-bool sphv_candidate_decidable(const sphv_kernel *kernel)
-{
-    int constants = 0;
-    for (int d = 0; d < SPHV_DIMENSIONS; d++) constants += kernel->claims.constant[d] != NULL;
-    return constants > 0 || kernel->pieces.count > 1 || kernel->claims.boundary_smoothness;
-}

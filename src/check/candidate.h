@@ -11,9 +11,6 @@
 /// \param suspect the knot to look at first; receives the one that failed
 bool sphv_candidate_fits(const sphv_kernel *kernel, const sphv_exact_pieces *pieces, int *suspect);
 
-/// Does a file give enough to tell a right repair from a lucky one?
-bool sphv_candidate_decidable(const sphv_kernel *kernel);
-
 /// Jump of the order-th Taylor coefficient at the outer end of a piece, inside minus outside.
 void sphv_candidate_jump(mpq_t out, const sphv_exact_pieces *pieces, int piece, int order);
 

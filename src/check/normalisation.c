@@ -84,15 +84,17 @@ static bool name_factor(const sphv_examination *of, sphv_check_result *result, i
     if (kappa != 1 && same(ratio, pow(kappa, d))) {
         sphv_check_cause(result,
                          "the constant is %.10g^%d too large: the file's h is the support "
-                         "radius",
-                         kappa, d);
+                         "radius%s",
+                         kappa, d,
+                         d == 1 && kappa == 2 ? ", or W was integrated over one half of the line"
+                                              : "");
         return true;
     }
     if (kappa != 1 && same(ratio, pow(kappa, -d))) {
         sphv_check_cause(result,
-                         "the constant is %.10g^%d too small: it belongs to a kernel whose "
-                         "support is %.10g^2 h; h and the support radius are confused",
-                         kappa, d, kappa);
+                         "the constant is %.10g^%d too small: h and the support radius are "
+                         "confused",
+                         kappa, d);
         return true;
     }
     if (same(ratio, pow(2, d)) || same(ratio, pow(2, -d))) {

@@ -14,8 +14,6 @@
 #include <time.h>
 #include <unistd.h>
 
-extern char **environ;
-
 enum { OUTPUT_MAX = 64 << 20, CHUNK = 1 << 16, COMPLAINT = 240 };
 
 /// The parent's ends, and what has passed through them.
@@ -189,7 +187,7 @@ sphv_status sphv_child_run(char *const *arguments, const char *input, size_t inp
     sphv_status status;
     if (reason) {
         status = sphv_fail(error, SPHV_RESOURCE_FAILURE, "%s cannot be run: %s", arguments[0],
-                           strerror(reason));
+                           reason == ENOENT ? "it is not on PATH" : strerror(reason));
     } else {
         bool stopped = false;
         const char *trouble = converse(&talk, deadline);

@@ -90,3 +90,19 @@ void sphv_kernel_facts_collect(const sphv_kernel *kernel, const sphv_agreement *
         count_claim(facts, facts->smoothness_verdict);
     }
 }
+
+const char *sphv_kernel_paper_failure(const sphv_kernel_facts *facts)
+{
+    if (!facts->agreement || !facts->agreement->paper[SPHV_DISAGREES]) return NULL;
+    if (facts->special_order < facts->edge_order)
+        return "The paper’s form counts only the edge of the support. The other knots lower the "
+               "order in Δx/h, and leaving them out is why it fails here.";
+    if (facts->dimension[0].profile->knot_count > 1)
+        return "The paper’s form counts only the edge of the support. The other knots (the origin "
+               "among them, where Ŵ is not smooth there) contribute too, and leaving them out is "
+               "why it fails here.";
+    return "The kernel has no knot but its edge, so it is the cut: the paper’s form keeps two "
+           "terms "
+           "of each series, and at these spacings what follows is larger than the first terms left "
+           "out suggest.";
+}

@@ -40,6 +40,9 @@ typedef struct sphv_kernel_facts {
 void sphv_kernel_facts_collect(const sphv_kernel *kernel, const sphv_agreement *agreement,
                                const sphv_check_report *check, sphv_kernel_facts *facts);
 
+/// Why the paper's form disagrees with measurement, where it does; NULL where it does not.
+const char *sphv_kernel_paper_failure(const sphv_kernel_facts *facts);
+
 /// The worst verdict of an agreement table, from its counts.
 sphv_verdict sphv_tally_verdict(const size_t counts[3]);
 

@@ -53,7 +53,7 @@ void sphv_html_tally_cells(FILE *stream, const size_t counts[3])
 
 void sphv_html_table_begin(FILE *stream, const char *caption, const char *const *columns)
 {
-    fputs("<div class=scroll tabindex=0><table>", stream);
+    fputs(SPHV_HTML_SCROLL "<table>", stream);
     if (caption) fprintf(stream, "<caption>%s</caption>", caption);
     fputs("<thead><tr>", stream);
     for (; *columns; columns++) fprintf(stream, "<th scope=col>%s", *columns);
@@ -143,7 +143,8 @@ static void put_verdicts(FILE *stream, const sphv_rendering *rendering)
           stream);
     for (int kind = 0; kind < 2; kind++) {
         fprintf(stream,
-                "<div class=scroll tabindex=0><table><thead><tr><th scope=col rowspan=2>%s"
+                SPHV_HTML_SCROLL
+                "<table><thead><tr><th scope=col rowspan=2>%s"
                 "<th scope=col rowspan=2>Verdict<th scope=colgroup colspan=3>Exact form: points"
                 "<th scope=colgroup colspan=3>Paper’s form: points<th scope=col rowspan=2>%s"
                 "<tr><th scope=col>agree<th scope=col>disagree<th scope=col>inconcl."
@@ -176,7 +177,7 @@ static void put_head(FILE *stream, const sphv_rendering *rendering)
           "page.</p></header>\n"
           "<nav aria-label=\"Contents\"><ul><li><a href=\"#verdicts\">Verdicts</a>"
           "<li><a href=\"#reading\">How to read it</a><li><a href=\"#slips\">Slips of the "
-          "paper</a><li><a href=\"#scenes\">Scenes</a><li><a href=\"#kernels\">Kernels</a>"
+          "paper</a><li><a href=\"#kernels\">Kernels</a><li><a href=\"#scenes\">Scenes</a>"
           "</ul></nav>\n<main>\n",
           stream);
     if (rendering->plots_missing) {
@@ -208,13 +209,13 @@ void sphv_render_html(FILE *stream, const sphv_rendering *rendering)
         sphv_html_paragraphs(stream, *line, NULL);
     fputs("</section>\n<section id=slips><h2>Slips of the paper, in numbers</h2>\n", stream);
     sphv_html_slips(stream, &rendering->slips);
-    fputs("</section>\n<section id=scenes><h2>Scenes</h2>\n", stream);
-    put_list(stream, rendering, false);
-    for (size_t i = 0; i < rendering->report->scene_count; i++)
-        sphv_html_scene(stream, rendering, i);
     fputs("</section>\n<section id=kernels><h2>Kernels</h2>\n", stream);
     put_list(stream, rendering, true);
     for (size_t i = 0; i < rendering->report->kernel_count; i++)
         sphv_html_kernel(stream, rendering, i);
+    fputs("</section>\n<section id=scenes><h2>Scenes</h2>\n", stream);
+    put_list(stream, rendering, false);
+    for (size_t i = 0; i < rendering->report->scene_count; i++)
+        sphv_html_scene(stream, rendering, i);
     fputs("</section>\n</main></body></html>\n", stream);
 }

@@ -5,6 +5,9 @@
 
 #include "rendering.h"
 
+/// Opens the box in which a wide table scrolls, by keyboard too.
+#define SPHV_HTML_SCROLL "<div class=scroll role=group aria-label=Table tabindex=0>"
+
 /// Style sheet of the page: light and dark, phone and print.
 extern const char sphv_html_style[];
 

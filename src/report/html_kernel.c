@@ -25,7 +25,7 @@ static void put_properties(FILE *stream, const sphv_kernel_facts *facts)
         fprintf(stream, "; %d elsewhere, by s = ", facts->general_order);
         sphv_html_number(stream, profile->knots[facts->general_knot].position.value, 6);
         if (facts->special_order < facts->edge_order)
-            fprintf(stream, "; the edge alone would give %d, interior knots lower it",
+            fprintf(stream, "; the edge alone would give %d, the other knots lower it",
                     facts->edge_order);
     }
     for (int d = 1; d <= SPHV_DIMENSIONS; d++)
@@ -116,7 +116,8 @@ static void put_grid(FILE *stream, const sphv_agreement *agreement, bool paper)
     static const char *const cells[] = {"<td class=a>✓", "<td class=d>✗", "<td class=i>?"};
     const size_t *counts = paper ? agreement->paper : agreement->exact;
     fprintf(stream,
-            "<div class=scroll tabindex=0><table class=grid><caption>%s: ✓ agrees (%zu), "
+            SPHV_HTML_SCROLL
+            "<table class=grid><caption>%s: ✓ agrees (%zu), "
             "✗ disagrees (%zu), ? inconclusive (%zu)</caption><thead><tr><th scope=col>h/λ \\ n",
             paper ? "Paper’s form" : "Exact form", counts[SPHV_AGREES], counts[SPHV_DISAGREES],
             counts[SPHV_INCONCLUSIVE]);
@@ -181,15 +182,8 @@ static void put_agreement(FILE *stream, const sphv_kernel_facts *facts)
     }
     put_grid(stream, facts->agreement, false);
     put_grid(stream, facts->agreement, true);
-    if (facts->agreement->paper[SPHV_DISAGREES] && facts->special_order < facts->edge_order)
-        fprintf(stream,
-                "<p>The paper’s form counts only the edge and predicts order %d; the knots inside "
-                "the support lower it to %d, and so it fails here.</p>\n",
-                facts->edge_order, facts->special_order);
-    else if (facts->agreement->paper[SPHV_DISAGREES])
-        fputs("<p>Where the paper’s form disagrees, the terms it leaves out are larger than its "
-              "first neglected ones suggest: its series are cut after two terms each.</p>\n",
-              stream);
+    const char *failure = sphv_kernel_paper_failure(facts);
+    if (failure) sphv_html_paragraphs(stream, failure, NULL);
     put_numbers(stream, facts->agreement);
 }
 

@@ -62,7 +62,7 @@ static void put_claims(FILE *stream, const sphv_scene_result *result)
 {
     const sphv_scene *scene = result->scene;
     if (!scene->claim_count) return;
-    fputs("<h4>Claims</h4>\n<div class=scroll tabindex=0><table class=stacked><thead><tr>"
+    fputs("<h4>Claims</h4>\n" SPHV_HTML_SCROLL "<table class=stacked><thead><tr>"
           "<th scope=col>Claim and how it is measured<th scope=col>Verdict<th scope=col>Theory"
           "<th scope=col>Measured<th scope=col>Claimed<th scope=col class=t>Tolerance and "
           "remarks</thead>\n"
@@ -99,7 +99,7 @@ static void put_curve_row(FILE *stream, const sphv_scene_result *result, size_t 
 
 static void put_curves(FILE *stream, const sphv_scene_result *result)
 {
-    fputs("<h4>Agreement by curve</h4>\n<div class=scroll tabindex=0><table><thead><tr>"
+    fputs("<h4>Agreement by curve</h4>\n" SPHV_HTML_SCROLL "<table><thead><tr>"
           "<th scope=col rowspan=2>Curve<th scope=col rowspan=2>Kernel<th scope=colgroup "
           "colspan=3>Exact form: points<th scope=colgroup colspan=3>Paper’s form: points"
           "<th scope=col rowspan=2>Largest difference<th scope=col rowspan=2>Its bound"

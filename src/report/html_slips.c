@@ -35,8 +35,8 @@ static void put_sign(FILE *stream, const sphv_slips *slips)
 
 static void put_knot_terms(FILE *stream, const sphv_knot_slip *slip)
 {
-    fputs("<div class=scroll tabindex=0><table><caption>Terms of the Euler–Maclaurin series by "
-          "knot</caption><thead><tr><th scope=col>knot",
+    fputs(SPHV_HTML_SCROLL "<table><caption>Terms of the Euler–Maclaurin series by "
+                           "knot</caption><thead><tr><th scope=col>knot",
           stream);
     for (int i = 0; i < SPHV_KNOT_TERMS; i++)
         fprintf(stream, "<th scope=col>p = %d", slip->first_order + i);

@@ -272,6 +272,11 @@ static void put_kernel(FILE *stream, const sphv_kernel_facts *facts)
     put_constants(stream, facts);
     if (facts->check) put_checks(stream, facts);
     if (facts->agreement) put_agreement(stream, facts->agreement);
+    if (sphv_kernel_paper_failure(facts)) {
+        fputc('\n', stream);
+        sphv_put_markdown(stream, sphv_kernel_paper_failure(facts));
+        fputc('\n', stream);
+    }
 }
 
 void sphv_render_markdown(FILE *stream, const sphv_rendering *rendering)
@@ -291,8 +296,8 @@ void sphv_render_markdown(FILE *stream, const sphv_rendering *rendering)
         fputc('\n', stream);
     }
     put_slips(stream, &rendering->slips);
-    fputs("\n## Scenes\n", stream);
-    for (size_t i = 0; i < report->scene_count; i++) put_scene(stream, report->scenes[i]);
     fputs("\n## Kernels\n", stream);
     for (size_t i = 0; i < report->kernel_count; i++) put_kernel(stream, &rendering->facts[i]);
+    fputs("\n## Scenes\n", stream);
+    for (size_t i = 0; i < report->scene_count; i++) put_scene(stream, report->scenes[i]);
 }

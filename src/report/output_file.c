@@ -29,9 +29,7 @@ static int make_directories(const char *directory)
         char kept = *end;
         *end = '\0';
         struct stat about;
-        if (mkdir(path, 0777) != 0 && errno != EEXIST)
-            reason = errno;
-        else if (stat(path, &about) != 0)
+        if ((mkdir(path, 0777) != 0 && errno != EEXIST) || stat(path, &about) != 0)
             reason = errno;
         else if (!S_ISDIR(about.st_mode))
             reason = ENOTDIR;

@@ -1,5 +1,6 @@
 #include "svg.h"
 
+#include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
@@ -42,12 +43,20 @@ static void copy_tag(FILE *out, const char *tag, const char *end, const char *id
     }
 }
 
-/// The value of viewBox="…" of the outermost element.
+/// The four numbers of viewBox="…" of the outermost element.
 static bool view_box(const char *tag, const char *end, double box[4])
 {
-    const char *at = strstr(tag, "viewBox=\"");
-    return at && at < end &&
-           sscanf(at, "viewBox=\"%lf %lf %lf %lf\"", &box[0], &box[1], &box[2], &box[3]) == 4;
+    static const char name[] = "viewBox=\"";
+    const char *at = strstr(tag, name);
+    if (!at || at > end) return false;
+    at += strlen(name);
+    for (int i = 0; i < 4; i++) {
+        char *after;
+        box[i] = strtod(at, &after);
+        if (after == at || !isfinite(box[i])) return false;
+        at = after;
+    }
+    return *at == '"';
 }
 
 /// Where an empty group ends that begins here (gnuplot writes many), or NULL.

@@ -1,6 +1,5 @@
 #include "text.h"
 
-#include <ctype.h>
 #include <math.h>
 #include <string.h>
 
@@ -100,12 +99,11 @@ void sphv_put_markdown(FILE *stream, const char *text)
         case '@':
             fputs("&#64;", stream);
             break;
-        case ':':
-            fputs("&#58;", stream);
-            break; // no automatic links
         default:
-            if (strchr("\\`*_{}[]()#!~$^=", c[0])) fputc('\\', stream);
-            fputs(c, stream);
+            // Parentheses and braces mean nothing once the square brackets are escaped.
+            if (strchr("\\`*_[]#~$", c[0])) fputc('\\', stream);
+            // No automatic links.
+            fputs(c[0] == ':' && text[0] == '/' ? "&#58;" : c, stream);
         }
     }
 }
@@ -138,10 +136,10 @@ void sphv_put_gnuplot(FILE *stream, const char *text, int limit)
             fputs("…", stream);
             break;
         }
-        // Quotes, backslashes, backquotes and all else that is no letter, as octal codes: gnuplot
-        // reads those after it has looked for anything to substitute.
-        if (c[0] > 0 && c[0] != ' ' && !isalnum((unsigned char)c[0]))
-            fprintf(stream, "\\%03o", (unsigned)c[0]);
+        // As octal codes, which gnuplot reads after it has looked for anything to substitute. A
+        // digit after one would be taken for a part of it, so the string ends and goes on.
+        if (strchr("\"\\`@'#${}!", c[0]))
+            fprintf(stream, "\\%03o\" . \"", (unsigned)c[0]);
         else
             fputs(c, stream);
     }

@@ -140,7 +140,18 @@ static void plots_take_any_text_as_text(void **state)
     if (!have_gnuplot()) skip();
     char *folder = folder_make(), *was = getcwd(NULL, 0);
     assert_int_equal(chdir(folder), 0);
-    static const char *const texts[] = {NASTY, "\\", "'", "''", "{", "}", "`", "\xFF\x01\xC3", ""};
+    // Escapes must not swallow a digit that follows, nor anything be lost.
+    static const char *const texts[] = {NASTY,
+                                        "1.05 '1\"2\\3`4@5#6$7{8}9!0%1^2_3",
+                                        "h/λ = 0.05",
+                                        "\\",
+                                        "'",
+                                        "''",
+                                        "{",
+                                        "}",
+                                        "`",
+                                        "\xFF\x01\xC3",
+                                        ""};
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
         for (int abscissa = SPHV_OVER_Q; abscissa <= (i ? 0 : (int)SPHV_OVER_SPACING); abscissa++) {
             struct stage stage;
@@ -154,6 +165,7 @@ static void plots_take_any_text_as_text(void **state)
             assert_non_null(strstr(svg, "role=\"img\""));
             // The legend shows the beginning of both labels as they are.
             if (i == 0) assert_int_equal(count(svg, "'; system(\"touch touched\") # `touch"), 2);
+            if (i == 1 || i == 2) assert_true(count(svg, texts[i]) >= 2);
             // Both curves have their 30 points: none is lost behind a broken line.
             assert_true(count(svg, "<path") >= 2);
             assert_untouched();

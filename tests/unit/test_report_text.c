@@ -45,7 +45,8 @@ static void markdown_shows_markup_as_text(void **state)
 {
     (void)state;
     assert_written(sphv_put_markdown, "a|b *c* _d_ `e` [f](g) <h> ![i]\n# j",
-                   "a&#124;b \\*c\\* \\_d\\_ \\`e\\` \\[f\\]\\(g\\) &lt;h&gt; \\!\\[i\\] \\# j");
+                   "a&#124;b \\*c\\* \\_d\\_ \\`e\\` \\[f\\](g) &lt;h&gt; !\\[i\\] \\# j");
+    assert_written(sphv_put_markdown, "E: see http://x.y", "E: see http&#58;//x.y");
 }
 
 static void csv_quotes_what_would_break_a_row(void **state)
@@ -59,8 +60,9 @@ static void csv_quotes_what_would_break_a_row(void **state)
 static void gnuplot_strings_cannot_be_left(void **state)
 {
     (void)state;
-    assert_written(put_gnuplot_ten, "it's", "\"it\\047s\"");
-    assert_written(put_gnuplot_ten, "\"`\\λ", "\"\\042\\140\\134λ\"");
+    assert_written(put_gnuplot_ten, "it's", "\"it\\047\" . \"s\"");
+    assert_written(put_gnuplot_ten, "\"`\\λ", "\"\\042\" . \"\\140\" . \"\\134\" . \"λ\"");
+    assert_written(put_gnuplot_ten, "h/λ = 0.5", "\"h/λ = 0.5\"");
     assert_written(put_gnuplot_ten, "a\nb\tc", "\"a b c\"");
     assert_written(put_gnuplot_ten, "1234567890", "\"1234567890\"");
     assert_written(put_gnuplot_ten, "12345678901", "\"123456789…\"");

@@ -1,0 +1,58 @@
+#!/bin/sh
+# Every shipped scene through the real command; the report over all of them.
+# shellcheck source=tests/command/harness.sh
+. "${0%/*}/harness.sh"
+
+count=0
+for scene in "$SPHVERIFY_DATA"/scenes/*.yaml; do
+    name=$(basename "$scene" .yaml)
+    count=$((count + 1))
+    expect 0 run "$name" --no-plot -o "$work/by-name"
+    expect 0 run "$scene" --no-plot -o "$work/out" --format json
+    "$READ_OUTPUT" json "$out" >/dev/null || failed "$name: not JSON"
+    grep -qw 'agrees' "$out" || failed "$name: no verdict"
+    csv=$work/out/$name.csv
+    [ -s "$csv" ] || failed "$name: no CSV"
+    "$READ_OUTPUT" finite "$csv" || failed "$name: not all numbers are finite"
+    cmp -s "$csv" "$work/by-name/$name.csv" || failed "$name: two runs differ"
+    size=$("$READ_OUTPUT" csv "$csv")
+    math 50 le "${size% *}"
+    for column in $(head -n 1 "$csv" | tr ',' ' '); do
+        case $column in
+        verdict) "$READ_OUTPUT" column "$csv" verdict | grep -qvx 'agrees' &&
+            failed "$name: a point does not agree" ;;
+        esac
+    done
+done
+[ "$count" -ge 5 ] || failed "only $count scenes"
+no_partial "$work/out"
+
+# two scenes in one command, with plots
+if command -v gnuplot >/dev/null 2>&1; then
+    expect 0 run quinlan-2006-fig-1 quinlan-2006-fig-2a -o "$work/two"
+    for name in quinlan-2006-fig-1 quinlan-2006-fig-2a; do
+        head -c 400 "$work/two/$name.svg" | grep -q '<svg' || failed "$name: no SVG"
+        tail -n 1 "$work/two/$name.svg" | grep -q '</svg>' || failed "$name: half an SVG"
+        grep -qiE 'nan|<script' "$work/two/$name.svg" && failed "$name: odd SVG"
+    done
+    no_partial "$work/two"
+fi
+
+expect 0 report -o "$work/report"
+for file in index.html report.json report.md; do
+    [ -s "$work/report/$file" ] || failed "report: no $file"
+done
+"$READ_OUTPUT" json "$work/report/report.json" >/dev/null || failed 'report.json is not JSON'
+grep -qiw 'nan' "$work/report/report.json" "$work/report/report.md" && failed 'report: NaN'
+# self-contained: nothing is fetched
+grep -oiE '(src|href)="[^"#][^"]*"' "$work/report/index.html" | grep -viE '="(data:|#)' |
+    grep -iE '^src=|\.(css|js|woff)"' && failed 'report: something is fetched'
+tail -n 1 "$work/report/index.html" | grep -q '</html>' || failed 'report: the page is cut off'
+for scene in "$SPHVERIFY_DATA"/scenes/*.yaml; do
+    grep -qF "$(basename "$scene" .yaml)" "$work/report/index.html" ||
+        failed "report: no $(basename "$scene" .yaml)"
+done
+no_partial "$work/report"
+# written over an older one
+expect 0 run quinlan-2006-fig-1 --no-plot -o "$work/out"
+finish
