@@ -31,27 +31,31 @@ static void evaluate(const sphv_cloud *cloud, long index, sphv_neighbourhood *ar
         into->status = SPHV_RESOURCE_FAILURE;
         return;
     }
-    if (around->count > *field_size) {
-        double *larger = realloc(*field, (size_t)around->count * sizeof **field);
+    if (2 * around->count > *field_size) {
+        double *larger = realloc(*field, 2 * (size_t)around->count * sizeof **field);
         if (!larger) {
             into->status = SPHV_RESOURCE_FAILURE;
             return;
         }
         *field = larger;
-        *field_size = around->count;
+        *field_size = 2 * around->count;
     }
     // The error is linear in the field, so its square averaged over the field's phase is the mean
     // of those of a sine and a cosine: no bias from where the particles happen to stand on the
     // wave.
-    double own = 2 * M_PI * around->origin, square = 0;
+    double *sine = *field, *cosine = *field + around->count, square = 0;
+    double own_sine = sin(2 * M_PI * around->origin), own_cosine = cos(2 * M_PI * around->origin);
+    for (int b = 0; b < around->count; b++) {
+        double at = 2 * M_PI * of->h * around->s[b], s = sin(at), c = cos(at);
+        sine[b] = own_sine * c + own_cosine * s;
+        cosine[b] = own_cosine * c - own_sine * s;
+    }
     sphv_estimate_fault fault = SPHV_ESTIMATE_SOUND;
     for (int quarter = 0; quarter < 2; quarter++) {
-        for (int b = 0; b < around->count; b++) {
-            double at = own + 2 * M_PI * of->h * around->s[b];
-            (*field)[b] = quarter ? cos(at) : sin(at);
-        }
-        sphv_estimate estimate = sphv_estimate_gradient(of->method, of->profile, around, *field);
-        double error = estimate.gradient / (2 * M_PI * of->h) - (quarter ? -sin(own) : cos(own));
+        sphv_estimate estimate =
+            sphv_estimate_gradient(of->method, of->profile, around, quarter ? cosine : sine);
+        double exact = quarter ? -own_sine : own_cosine;
+        double error = estimate.gradient / (2 * M_PI * of->h) - exact;
         square += 0.5 * error * error;
         into->worst_condition = fmax(into->worst_condition, estimate.condition);
         if (estimate.fault != SPHV_ESTIMATE_SOUND) fault = estimate.fault;

@@ -88,7 +88,9 @@ typedef struct sphv_scene_result {
     sphv_claim_result *claims;
     size_t agreeing, disagreeing, inconclusive; ///< points, exact form against measurement
     size_t paper_agreeing, paper_disagreeing, paper_inconclusive;
-    sphv_verdict verdict; ///< of the exact form at all points, and of all unsurprising claims
+    /// Disagrees when any point does or a claim surprises; inconclusive when that is all that can
+    /// be said of more than half of the points, or of a claim.
+    sphv_verdict verdict;
     double seconds;
 } sphv_scene_result;
 

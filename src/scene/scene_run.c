@@ -150,9 +150,9 @@ static void tally(sphv_scene_result *result)
             ++*exact[sample->point.verdict];
             if (sample->n >= 0) ++*paper[sample->paper_verdict];
         }
-    result->verdict = result->disagreeing    ? SPHV_DISAGREES
-                      : result->inconclusive ? SPHV_INCONCLUSIVE
-                                             : SPHV_AGREES;
+    result->verdict = result->disagreeing                       ? SPHV_DISAGREES
+                      : result->inconclusive > result->agreeing ? SPHV_INCONCLUSIVE
+                                                                : SPHV_AGREES;
     for (size_t i = 0; i < scene->claim_count; i++) {
         result->claims[i] = sphv_claim_judge(result, &scene->claims[i]);
         if (result->claims[i].surprising)
