@@ -94,6 +94,13 @@ static sphv_status compile_polynomial(sphv_kernel *kernel, int d, sphv_error *er
                          "the integral of w over %d dimension%s is not positive, so no constant "
                          "normalises it",
                          d, d > 1 ? "s" : "");
+    double constant = sphv_rational_round(kernel->constant[d - 1]);
+    if (!(constant >= 1e-100 && constant <= 1e100))
+        return sphv_fail(
+            error, SPHV_INVALID_INPUT,
+            "the constant that normalises w in %d dimension%s is %.3g; allowed: 1e-100 "
+            "to 1e100",
+            d, d > 1 ? "s" : "", constant);
     sphv_exact_pieces_scale(exact, kernel->constant[d - 1]);
     status =
         sphv_profile_from_pieces(&kernel->profile[d - 1], d, exact, kernel->constant[d - 1], error);

@@ -149,12 +149,25 @@ static sphv_status read_coefficients(const sphv_yaml *yaml, const char *list, un
         snprintf(place, sizeof place, "%s.%u.coefficients.%u", list, index, k);
         status = read_rational(yaml, place, piece->coefficients[k], out->coefficient[k], error);
         double size = fabs(mpq_get_d(out->coefficient[k]));
-        if (status == SPHV_OK && !(size <= 1e60))
-            status =
-                sphv_yaml_fail(yaml, place, error, "coefficient %s; allowed: magnitudes up to 1e60",
-                               piece->coefficients[k]);
+        bool in_range = size <= 1e60 && (size >= 1e-60 || mpq_sgn(out->coefficient[k]) == 0);
+        if (status == SPHV_OK && !in_range)
+            status = sphv_yaml_fail(yaml, place, error,
+                                    "coefficient %s; allowed: 0 and magnitudes from 1e-60 to 1e60",
+                                    piece->coefficients[k]);
     }
     return status;
+}
+
+/// Whether a piece is so short that its ends are hardly two places in double precision.
+static bool too_short(mpq_srcptr inner, mpq_srcptr outer)
+{
+    mpq_t length;
+    mpq_init(length);
+    mpq_set(length, outer);
+    if (inner) mpq_sub(length, length, inner);
+    bool is_short = mpq_get_d(length) < 1e-6;
+    mpq_clear(length);
+    return is_short;
 }
 
 static sphv_status read_pieces(const sphv_yaml *yaml, const char *list,
@@ -174,6 +187,10 @@ static sphv_status read_pieces(const sphv_yaml *yaml, const char *list,
                                     "pieces overlap: until %s after %s; allowed: ascending ends "
                                     "above 0",
                                     pieces[i].until, i ? pieces[i - 1].until : "0");
+        else if (too_short(i ? out->outer[i - 1] : NULL, out->outer[i]))
+            status = sphv_yaml_fail(yaml, place, error,
+                                    "the piece until %s is too short; allowed: lengths from 1e-6",
+                                    pieces[i].until);
         else if (i + 1 == count && mpq_cmp(out->outer[i], support) != 0)
             status = sphv_yaml_fail(yaml, place, error,
                                     "the last piece ends at %s; allowed: the support of the file",

@@ -14,7 +14,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { OUTPUT_MAX = 64 << 20, CHUNK = 1 << 16, COMPLAINT = 240 };
+enum { OUTPUT_MAX = 64 << 20, CHUNK = 1 << 16, NOT_STARTED = 127, COMPLAINT = 240 };
 
 /// The parent's ends, and what has passed through them.
 struct conversation {
@@ -151,10 +151,19 @@ static int wait_for(pid_t pid, double deadline, bool stop, bool *stopped)
     }
 }
 
+static sphv_status cannot_run(const char *program, int reason, sphv_error *error)
+{
+    return sphv_fail(error, SPHV_RESOURCE_FAILURE, "%s cannot be run: %s", program,
+                     reason == ENOENT ? "it is not on PATH" : strerror(reason));
+}
+
 static sphv_status judge(const char *program, const struct conversation *talk, const char *trouble,
                          int outcome, sphv_error *error)
 {
     if (!trouble && outcome >= 0 && WIFEXITED(outcome) && WEXITSTATUS(outcome) == 0) return SPHV_OK;
+    // Where posix_spawn cannot report that exec failed, the child ends with this (POSIX).
+    if (!trouble && outcome >= 0 && WIFEXITED(outcome) && WEXITSTATUS(outcome) == NOT_STARTED)
+        return cannot_run(program, ENOENT, error);
     char how[64] = "ended in an unknown way";
     if (outcome >= 0 && WIFEXITED(outcome))
         snprintf(how, sizeof how, "ended with status %d", WEXITSTATUS(outcome));
@@ -186,8 +195,7 @@ sphv_status sphv_child_run(char *const *arguments, const char *input, size_t inp
                                 .left = input_size};
     sphv_status status;
     if (reason) {
-        status = sphv_fail(error, SPHV_RESOURCE_FAILURE, "%s cannot be run: %s", arguments[0],
-                           reason == ENOENT ? "it is not on PATH" : strerror(reason));
+        status = cannot_run(arguments[0], reason, error);
     } else {
         bool stopped = false;
         const char *trouble = converse(&talk, deadline);

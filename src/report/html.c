@@ -160,14 +160,16 @@ static void put_verdicts(FILE *stream, const sphv_rendering *rendering)
 static void put_head(FILE *stream, const sphv_rendering *rendering)
 {
     const sphv_report *report = rendering->report;
-    fprintf(stream,
-            "<!DOCTYPE html>\n<html lang=\"en-GB\"><head><meta charset=\"utf-8\">\n"
-            "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-            "<meta name=\"color-scheme\" content=\"light dark\">\n"
-            "<title>Truncation error of SPH kernels: theory against measurement</title>\n"
-            "<style>\n%s</style></head>\n<body>\n<header><h1>Truncation error of SPH kernels: "
-            "theory against measurement</h1>\n<p>",
-            sphv_html_style);
+    fputs("<!DOCTYPE html>\n<html lang=\"en-GB\"><head><meta charset=\"utf-8\">\n"
+          "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+          "<meta name=\"color-scheme\" content=\"light dark\">\n"
+          "<title>Truncation error of SPH kernels: theory against measurement</title>\n"
+          "<style>\n",
+          stream);
+    for (const char *const *part = sphv_html_style; *part; part++) fputs(*part, stream);
+    fputs("</style></head>\n<body>\n<header><h1>Truncation error of SPH kernels: theory against "
+          "measurement</h1>\n<p>",
+          stream);
     sphv_html_verdict(stream, sphv_rendering_verdict(rendering));
     fprintf(stream, " over %zu %s and %zu %s, computed in ", report->kernel_count,
             sphv_plural(report->kernel_count, "kernel", "kernels"), report->scene_count,

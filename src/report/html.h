@@ -8,8 +8,8 @@
 /// Opens the box in which a wide table scrolls, by keyboard too.
 #define SPHV_HTML_SCROLL "<div class=scroll role=group aria-label=Table tabindex=0>"
 
-/// Style sheet of the page: light and dark, phone and print.
-extern const char sphv_html_style[];
+/// Style sheet of the page in parts, ended by NULL: screen, phone, paper.
+extern const char *const sphv_html_style[];
 
 /// A verdict as a word with its colour.
 void sphv_html_verdict(FILE *stream, sphv_verdict verdict);

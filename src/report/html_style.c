@@ -1,6 +1,7 @@
 #include "html.h"
 
-const char sphv_html_style[] =
+const char *const sphv_html_style[] = {
+    // Screen, light and dark.
     ":root{color-scheme:light dark;--ink:#1b1f24;--soft:#57606a;--paper:#fff;--band:#f4f6f8;"
     "--line:#d0d7de;--link:#0b5cad;--good:#0a5c3b;--good-back:#d9f2e4;--bad:#8f1d06;"
     "--bad-back:#ffdccf;--open:#6b4a00;--open-back:#fff0c2}\n"
@@ -53,7 +54,8 @@ const char sphv_html_style[] =
     "dt{color:var(--soft)}dd{margin:0}\n"
     ".note{border-left:4px solid var(--line);padding-left:.8rem}\n"
     ".warn{border-left:4px solid var(--open);background:var(--open-back);color:var(--open);"
-    "padding:.4rem .8rem}\n"
+    "padding:.4rem .8rem}\n",
+    // Phone.
     "@media(max-width:40rem){body{padding:.7rem}dl{grid-template-columns:1fr}"
     "dt{margin-top:.3rem}th,td{padding:.2rem .45rem}td.t{min-width:11rem}"
     // A table of sentences reads as cards where it has no room.
@@ -62,7 +64,8 @@ const char sphv_html_style[] =
     "padding:.1rem 0}.stacked tr{border-bottom:1px solid var(--line);padding:.5rem 0}"
     ".stacked td:first-child br,.stacked td:not(.t) br{display:none}.stacked "
     ".soft::before{content:' '}"
-    ".stacked td[data-head]::before{content:attr(data-head) ': ';color:var(--soft)}}\n"
+    ".stacked td[data-head]::before{content:attr(data-head) ': ';color:var(--soft)}}\n",
+    // Paper.
     "@media print{:root{color-scheme:light;--ink:#000;--soft:#333;--paper:#fff;--band:#eee;"
     "--line:#999;--link:#000;--good:#000;--good-back:#e6e6e6;--bad:#000;--bad-back:#fff;"
     "--open:#000;--open-back:#fff}\n"
@@ -72,4 +75,5 @@ const char sphv_html_style[] =
     "nav,details:not([open]){display:none}a{text-decoration:none}"
     "article{break-before:page}article:first-of-type{break-before:auto}"
     "figure,tr{break-inside:avoid}h2,h3,h4{break-after:avoid}figure{max-width:13cm}"
-    ".v{border:1px solid #000}}\n";
+    ".v{border:1px solid #000}}\n",
+    NULL};

@@ -21,11 +21,16 @@ static char description[4400];
 static unsigned long inputs;
 static uint64_t random_state;
 
-static void too_slow(int number)
+static const uint8_t *current;
+static size_t current_size;
+
+/// Says which input it was, and shows it, on the way out.
+static void tell(int number)
 {
-    (void)number;
-    static const char message[] = "too slow: ";
-    if (write(2, message, sizeof message - 1) < 0 || write(2, description, strlen(description)) < 0)
+    const char *what = number == SIGALRM ? "too slow: " : "failed on: ";
+    size_t shown = current_size < 4000 ? current_size : 4000;
+    if (write(2, what, strlen(what)) < 0 || write(2, description, strlen(description)) < 0 ||
+        write(2, current, shown) < 0)
         _exit(98);
     _exit(97);
 }
@@ -36,6 +41,8 @@ static void feed(const void *bytes, size_t size)
     uint8_t *copy = malloc(size ? size : 1);
     if (!copy) exit(99);
     memcpy(copy, bytes, size);
+    current = copy;
+    current_size = size;
     alarm(SECONDS);
     LLVMFuzzerTestOneInput(copy, size);
     alarm(0);
@@ -216,7 +223,8 @@ int main(int argc, char **argv)
     printf("SPHVERIFY_TEST_SEED=%lu\n", seed);
     fflush(stdout);
     random_state = 0x9e3779b97f4a7c15U ^ (seed * 2654435761U);
-    signal(SIGALRM, too_slow);
+    signal(SIGALRM, tell);
+    signal(SIGABRT, tell);
     feed_traps();
     for (int i = 1; i < argc; i++) feed_folder(argv[i]);
     printf("%lu inputs\n", inputs);

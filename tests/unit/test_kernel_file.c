@@ -88,6 +88,9 @@ static void test_bad_lines(void **state)
         {6, "  - {until: 1, coefficients: ['1', 'x']}", ":6: 'x' is not a number"},
         {6, "  - {until: 1, coefficients: ['1', nan]}", ":6: 'nan' is not a number"},
         {6, "  - {until: 1, coefficients: ['1', '1e61']}", ":6: coefficient 1e61"},
+        {6, "  - {until: 1, coefficients: ['1', '1e-61']}", ":6: coefficient 1e-61"},
+        {6, "  - {until: 1e-400, coefficients: ['1']}", ":6: the piece until 1e-400 is too short"},
+        {6, "  - {until: 1.9999999, coefficients: ['1']}", ":7: the piece until 2 is too short"},
         {6, "  - {until: 1, coefficients: ['1', '1/0']}", ":6: '1/0' divides by zero"},
         {6, "  - {until: 1}", ":6:"},
         {6, "  - {coefficients: ['1']}", ":6:"},
@@ -157,6 +160,12 @@ static void test_bad_shapes(void **state)
     refuse("name: x\ntitle: x\nsupport: 2\ndimensions: [1]\npieces:\n"
            "  - {until: 2, coefficients: ['-1']}\n",
            "not positive");
+    // q^40 below 0.01: its integral is 1e-142, beyond what a constant may repair
+    refuse(
+        "name: x\ntitle: x\nsupport: 0.01\ndimensions: [1]\npieces:\n"
+        "  - {until: 0.01, coefficients: [0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, "
+        "0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1e-60]}\n",
+        "allowed: 1e-100 to 1e100");
     // (1 − 3q²/5·…): ∫ q² w = 0 in three dimensions, so no constant normalises it
     refuse("name: x\ntitle: x\nsupport: 1\ndimensions: [3]\npieces:\n"
            "  - {until: 1, coefficients: ['1', '0', '-5/3']}\n",
