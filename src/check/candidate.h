@@ -11,6 +11,10 @@
 /// \param suspect the knot to look at first; receives the one that failed
 bool sphv_candidate_fits(const sphv_kernel *kernel, const sphv_exact_pieces *pieces, int *suspect);
 
+/// Relative change of the constant in d dimensions that the rounding of long decimals allows; 0 for
+/// exact coefficients.
+double sphv_candidate_constant_rounding(const sphv_exact_pieces *pieces, int d);
+
 /// Jump of the order-th Taylor coefficient at the outer end of a piece, inside minus outside.
 void sphv_candidate_jump(mpq_t out, const sphv_exact_pieces *pieces, int piece, int order);
 

@@ -6,7 +6,7 @@
 #include <string.h>
 #include <time.h>
 
-#include "check_internal.h"
+#include "candidate.h"
 #include "core/constant_text.h"
 
 /// When a check is run.
@@ -225,6 +225,9 @@ static void begin(sphv_examination *of, const sphv_kernel *kernel, sphv_check_re
     mend_utf8(out->path);
     for (int d = SPHV_DIMENSIONS; d >= 1; d--) {
         of->claimed_ratio[d - 1] = claimed_ratio(kernel, d);
+        of->tolerance[d - 1] = SPHV_CONSTANT_TOLERANCE;
+        if (kernel->polynomial)
+            of->tolerance[d - 1] += sphv_candidate_constant_rounding(&kernel->pieces, d);
         if (examined(of, d, EACH_DIMENSION)) of->first_dimension = d;
     }
     of->shape_varies = shape_varies(kernel);

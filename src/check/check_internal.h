@@ -19,6 +19,9 @@ typedef struct sphv_examination {
     char repair[320];    ///< what a search for the mistake in the pieces found; "" when nothing
     bool repair_sought;
     double claimed_ratio[SPHV_DIMENSIONS]; ///< claimed constant over C_d; 1 without a claim
+    /// How exact a claimed constant has to be: 1e-14, and what coefficients of 16 digits or more
+    /// leave.
+    double tolerance[SPHV_DIMENSIONS];
 } sphv_examination;
 
 /// A check of one kernel in one dimension (0 when it is run once for all).

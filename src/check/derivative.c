@@ -34,10 +34,35 @@ static const mpq_t *given_coefficient(const sphv_polynomial *p, int k, const mpq
     return k <= p->degree ? (const mpq_t *)&p->coefficient[k] : zero;
 }
 
+/// Equal, or no further apart than the rounding of long decimals.
+static bool equal_to_rounding(const mpq_t a, const mpq_t b, double rounding)
+{
+    if (mpq_equal(a, b) || rounding == 0) return mpq_equal(a, b) != 0;
+    mpq_t difference;
+    mpq_init(difference);
+    mpq_sub(difference, a, b);
+    bool equal = fabs(mpq_get_d(difference)) <= rounding * fabs(mpq_get_d(b));
+    mpq_clear(difference);
+    return equal;
+}
+
+/// −1, 0 or 1, like mpq_cmp.
+static int compare_to_rounding(const mpq_t a, const mpq_t b, double rounding)
+{
+    return equal_to_rounding(a, b, rounding) ? 0 : mpq_cmp(a, b);
+}
+
+/// A factor that long decimals have left next to an integer is that integer.
+static double factor_value(const mpq_t factor)
+{
+    double value = sphv_rational_round(factor);
+    return fabs(value - nearbyint(value)) < 1e-13 ? nearbyint(value) : value;
+}
+
 /// Is gradient piece g the piece p's base × q^shift × factor? The factor is found by the first
 /// coefficient that is not zero, unless `known`.
-static bool piece_is(const sphv_polynomial *g, const sphv_polynomial *p, gradient_base base,
-                     int shift, mpq_t factor, bool *known)
+static bool piece_is(const sphv_polynomial *g, const sphv_polynomial *p, double rounding,
+                     gradient_base base, int shift, mpq_t factor, bool *known)
 {
     mpq_t expected, zero;
     mpq_inits(expected, zero, NULL);
@@ -58,7 +83,7 @@ static bool piece_is(const sphv_polynomial *g, const sphv_polynomial *p, gradien
             *known = true;
         }
         mpq_mul(expected, expected, factor);
-        equal = mpq_equal(expected, *given) != 0;
+        equal = equal_to_rounding(expected, *given, rounding);
     }
     mpq_clears(expected, zero, NULL);
     return equal;
@@ -69,13 +94,14 @@ static bool gradient_is(const sphv_kernel *kernel, gradient_base base, int shift
                         int only)
 {
     const sphv_exact_pieces *w = &kernel->pieces, *g = &kernel->gradient;
+    double rounding = 4 * fmax(w->rounding, g->rounding);
     bool known = base == SLOPE && shift == 0 && only >= 0;
     mpq_set_ui(factor, 1, 1);
     for (int i = 0, j = 0; i < w->count && j < g->count;) {
         if ((only < 0 || only == j) &&
-            !piece_is(&g->polynomial[j], &w->polynomial[i], base, shift, factor, &known))
+            !piece_is(&g->polynomial[j], &w->polynomial[i], rounding, base, shift, factor, &known))
             return false;
-        int order = mpq_cmp(w->outer[i], g->outer[j]);
+        int order = compare_to_rounding(w->outer[i], g->outer[j], rounding);
         if (order <= 0) i++;
         if (order >= 0) j++;
     }
@@ -85,7 +111,7 @@ static bool gradient_is(const sphv_kernel *kernel, gradient_base base, int shift
 static void name_factor(sphv_check_result *result, const char *what, const mpq_t factor,
                         double kappa)
 {
-    double f = mpq_get_d(factor);
+    double f = factor_value(factor);
     if (f == 1) {
         sphv_check_cause(result, "%s", what);
     } else if (f == -1) {
@@ -103,7 +129,7 @@ static bool name_whole(const sphv_kernel *kernel, sphv_check_result *result)
     double kappa = kernel->support.value;
     bool named = true;
     if (gradient_is(kernel, SLOPE, 0, factor, -1)) {
-        double f = mpq_get_d(factor);
+        double f = factor_value(factor);
         if (f == -1)
             sphv_check_cause(result, "the gradient's sign is flipped");
         else if (kappa != 1 && (fabs(f) == kappa || fabs(fabs(f) - 1 / kappa) < 1e-15))
@@ -224,16 +250,18 @@ sphv_status sphv_check_derivative(sphv_examination *of, int dimension, sphv_erro
     const sphv_profile *gradient = sphv_kernel_gradient(kernel, profile->dimension);
     mpq_t factor;
     mpq_init(factor);
-    bool equal = gradient_is(kernel, SLOPE, 0, factor, -1) && mpq_cmp_ui(factor, 1, 1) == 0;
+    bool equal = gradient_is(kernel, SLOPE, 0, factor, -1) && factor_value(factor) == 1;
     mpq_clear(factor);
     if (gradient && !kernel->fourth_order) {
         double q = telling_place(profile, gradient), constant = profile->constant.value;
         sphv_result slope = sphv_profile_derivative(profile, 1, q);
         sphv_result given = sphv_profile_derivative(gradient, 0, q);
         sphv_check_claim(result, "the gradient of the file is w', here at q = %.6g", q);
-        sphv_check_numbers(result, slope.value / constant, given.value / constant,
-                           (slope.bound + given.bound) / fabs(constant) +
-                               8e-16 * fabs(slope.value / constant));
+        sphv_check_numbers(
+            result, slope.value / constant, given.value / constant,
+            (slope.bound + given.bound) / fabs(constant) +
+                (8e-16 + 8 * fmax(kernel->pieces.rounding, kernel->gradient.rounding)) *
+                    fabs(slope.value / constant));
     } else {
         sphv_check_claim(result, "the gradient of the file is w' (before the transform)");
         sphv_check_numbers(result, 1, equal, 0);

@@ -44,8 +44,10 @@ static sphv_status measure(const sphv_examination *of, double h, sphv_number spa
     double ratio = of->claimed_ratio[0];
     // A claimed constant is accepted to 1e-14, so the estimate may be off by that.
     measured->value = ratio == 1 ? measured->value : (measured->value + 1) * ratio - 1;
-    measured->bound = fabs(ratio) * measured->bound +
-                      (of->kernel->claims.constant[0] ? 1.01 * SPHV_CONSTANT_TOLERANCE : 0);
+    measured->bound =
+        fabs(ratio) * measured->bound + (of->kernel->claims.constant[0]
+                                             ? 1.01 * of->tolerance[0] * (1 + fabs(measured->value))
+                                             : 0);
     point->difference = point->analytic.total.value - measured->value;
     double scale =
         fmax(fabs(point->analytic.total.value), fmax(fabs(point->analytic.smoothing.value),
@@ -165,8 +167,9 @@ static sphv_status fit_order(const sphv_examination *of, int step, int first, st
         spacing[i] = at.value;
         predicted[i] = point.analytic.discretisation.value;
         measured[i] = point.empirical.total.value - point.analytic.smoothing.value;
-        noise = fmax(noise, (point.analytic.total.bound + point.empirical.total.bound) /
-                                fabs(predicted[i]));
+        double bound = point.analytic.total.bound + point.empirical.total.bound +
+                       (of->tolerance[0] - SPHV_CONSTANT_TOLERANCE);
+        noise = fmax(noise, bound / fabs(predicted[i]));
     }
     double range = log(spacing[0] / spacing[POINTS - 1]);
     // A relative error ε of the ends turns a line over the range by 2ε/range.

@@ -44,11 +44,18 @@ static double smoothing_series(const sphv_result *moment, int d, double K)
     return sum;
 }
 
-/// The first even moment that does not vanish.
-static int smoothing_order(const sphv_result *moment, bool exact)
+/// The first even moment that does not vanish: exactly for pieces, beyond the quadrature's rounding
+/// for closed forms, beyond that of their coefficients for pieces in long decimals.
+static int smoothing_order(const sphv_examination *of, int d, const sphv_result *moment)
 {
-    for (int j = 1; j <= ORDERS; j++)
-        if (fabs(moment[j].value) > (exact ? 0 : 8 * moment[j].bound)) return 2 * j;
+    const sphv_kernel *kernel = of->kernel;
+    double kappa = sphv_kernel_profile(kernel, d)->support, reach = 1;
+    double relative = of->tolerance[d - 1] - SPHV_CONSTANT_TOLERANCE;
+    for (int j = 1; j <= ORDERS; j++) {
+        reach *= kappa * kappa;
+        double zero = kernel->polynomial ? relative * reach : 8 * moment[j].bound;
+        if (fabs(moment[j].value) > zero) return 2 * j;
+    }
     return 2 * ORDERS;
 }
 
@@ -60,7 +67,7 @@ sphv_status sphv_check_smoothing_order(sphv_examination *of, int d, sphv_error *
     bool truncated = sphv_check_truncated(of);
     sphv_result moment[ORDERS + 1];
     even_moments(of, profile, moment);
-    int order = smoothing_order(moment, of->kernel->polynomial);
+    int order = smoothing_order(of, d, moment);
     for (int j = 1; 2 * j < order; j++) moment[j].value = 0;
 
     sphv_radial_weight wave = sphv_weight_wave_less_one(d);

@@ -216,7 +216,7 @@ static sphv_status check_integral(sphv_examination *of, int d, sphv_result whole
     double ratio = of->claimed_ratio[d - 1];
     result->claimed = 1 + profile->excess;
     sphv_check_numbers(result, 1 + profile->excess, ratio * part.value,
-                       fabs(ratio) * part.bound + SPHV_CONSTANT_TOLERANCE);
+                       fabs(ratio) * part.bound + of->tolerance[d - 1]);
     if (sphv_check_truncated(of)) {
         sphv_check_claim(result, "∫W dV over the support is 1 less the tail cut off at q = %.10g",
                          profile->support);
@@ -249,7 +249,7 @@ sphv_status sphv_check_normalisation(sphv_examination *of, int d, sphv_error *er
         result->claimed = (double)claimed;
         sphv_check_claim(result, "C_%d = %s", d, text);
         long double excess = fabsl(claimed / (long double)found - 1);
-        if (!(excess <= (long double)SPHV_CONSTANT_TOLERANCE)) {
+        if (!(excess <= (long double)of->tolerance[d - 1])) {
             sphv_check_fail(result);
             name_cause(of, result, d, result->claimed);
         }

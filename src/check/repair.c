@@ -51,7 +51,8 @@ static bool (*const slips[])(struct sphv_search *) = {
 
 static void seek(sphv_examination *of)
 {
-    struct sphv_search search = {of->kernel, {0, NULL, NULL}, of->repair, sizeof of->repair, 0, 0};
+    struct sphv_search search = {of->kernel, {0, NULL, NULL, 0}, of->repair, sizeof of->repair, 0,
+                                 0};
     if (sphv_exact_pieces_copy(&search.trial, &of->kernel->pieces, 0, NULL) != SPHV_OK) return;
     if (!sphv_search_fits(&search))
         for (size_t i = 0; !*of->repair && i < sizeof slips / sizeof *slips; i++) slips[i](&search);

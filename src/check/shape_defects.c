@@ -262,7 +262,7 @@ static sphv_application truncated(sphv_kernel *kernel, int variant)
 /// Declares half as much support again; w is zero there.
 static sphv_application overstated(sphv_kernel *kernel, int variant)
 {
-    sphv_exact_pieces *pieces = &kernel->pieces, grown = {0, NULL, NULL};
+    sphv_exact_pieces *pieces = &kernel->pieces, grown = {0, NULL, NULL, 0};
     if (variant || !pieces->count || kernel->gradient.count) return SPHV_NO_MORE;
     int count = pieces->count;
     if (sphv_exact_pieces_make(&grown, count + 1, NULL) != SPHV_OK) return SPHV_NOT_HERE;

@@ -89,6 +89,11 @@ static struct sign examine_exactly(const sphv_exact_pieces *pieces, int order, i
             mpq_mul(power, power, length);
         }
         if (degree >= 0) {
+            // Less than what the rounding of long decimals makes of it is no violation.
+            double rounding =
+                sphv_exact_pieces_rounding(pieces, i, order, mpq_get_d(pieces->outer[i]));
+            mpq_set_d(number, rounding);
+            mpq_sub(shifted.coefficient[0], shifted.coefficient[0], number);
             to_bernstein(shifted.coefficient, degree);
             search(shifted.coefficient, degree, mpq_get_d(from), mpq_get_d(pieces->outer[i]), 0,
                    &sign);
@@ -101,12 +106,18 @@ static struct sign examine_exactly(const sphv_exact_pieces *pieces, int order, i
 }
 
 /// The same by evaluation at many places, beyond the rounding bound of each.
-static struct sign examine_samples(const sphv_profile *profile, int order, int factor)
+static struct sign examine_samples(const sphv_kernel *kernel, const sphv_profile *profile,
+                                   int order, int factor)
 {
+    int piece = 0;
     for (int i = 0; i < SAMPLES; i++) {
-        double q = profile->support * (i + 0.5) / SAMPLES;
+        double q = profile->support * (i + 0.5) / SAMPLES, rounding = 0;
+        while (piece + 1 < profile->piece_count && q >= profile->pieces[piece].outer) piece++;
+        if (kernel->polynomial)
+            rounding =
+                sphv_exact_pieces_rounding(&kernel->exact[profile->dimension - 1], piece, order, q);
         sphv_result value = sphv_profile_derivative(profile, order, q);
-        if (factor * value.value > value.bound) return (struct sign){true, q};
+        if (factor * value.value > value.bound + rounding) return (struct sign){true, q};
     }
     return (struct sign){false, 0};
 }
@@ -138,7 +149,7 @@ static sphv_status examine(sphv_examination *of, int dimension, const char *id, 
         of->kernel->polynomial
             ? examine_exactly(&of->kernel->exact[profile->dimension - 1], order, factor)
             : examine_differences(profile, order, factor);
-    struct sign measured = examine_samples(profile, order, factor);
+    struct sign measured = examine_samples(of->kernel, profile, order, factor);
     // A violation narrower than the samples, or below their rounding, is looked at where it is.
     if (exact.positive && !measured.positive) {
         double q = fmin(fmax(exact.at, 0), nextafter(profile->support, 0));

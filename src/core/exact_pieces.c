@@ -16,6 +16,7 @@ double sphv_sphere_pi(int dimension)
 sphv_status sphv_exact_pieces_make(sphv_exact_pieces *pieces, int count, sphv_error *error)
 {
     pieces->count = 0;
+    pieces->rounding = 0;
     pieces->outer = malloc((size_t)count * sizeof *pieces->outer);
     pieces->polynomial = calloc((size_t)count, sizeof *pieces->polynomial);
     if (!pieces->outer || !pieces->polynomial) {
@@ -34,6 +35,7 @@ sphv_status sphv_exact_pieces_copy(sphv_exact_pieces *to, const sphv_exact_piece
                                    int extra_degree, sphv_error *error)
 {
     sphv_status status = sphv_exact_pieces_make(to, from->count, error);
+    to->rounding = from->rounding;
     for (int i = 0; status == SPHV_OK && i < from->count; i++) {
         const sphv_polynomial *p = &from->polynomial[i];
         mpq_set(to->outer[i], from->outer[i]);
@@ -53,7 +55,20 @@ void sphv_exact_pieces_free(sphv_exact_pieces *pieces)
     }
     free(pieces->outer);
     free(pieces->polynomial);
-    *pieces = (sphv_exact_pieces){0, NULL, NULL};
+    *pieces = (sphv_exact_pieces){0, NULL, NULL, 0};
+}
+
+double sphv_exact_pieces_rounding(const sphv_exact_pieces *pieces, int piece, int order, double q)
+{
+    if (pieces->rounding == 0) return 0;
+    const sphv_polynomial *p = &pieces->polynomial[piece];
+    double sum = 0, binomial = 1, power = 1;
+    for (int k = order; k <= p->degree; k++) {
+        sum += fabs(mpq_get_d(p->coefficient[k])) * binomial * power;
+        binomial *= (k + 1.0) / (k + 1 - order);
+        power *= q;
+    }
+    return pieces->rounding * sum;
 }
 
 void sphv_exact_pieces_scale(sphv_exact_pieces *pieces, const mpq_t factor)

@@ -197,6 +197,10 @@ static sphv_status read_pieces(const sphv_yaml *yaml, const char *list,
                                     pieces[i].until);
         if (status == SPHV_OK)
             status = read_coefficients(yaml, list, i, &pieces[i], &out->polynomial[i], error);
+        out->rounding = fmax(out->rounding, sphv_decimal_uncertainty(pieces[i].until));
+        for (unsigned k = 0; k < pieces[i].coefficients_count; k++)
+            out->rounding =
+                fmax(out->rounding, sphv_decimal_uncertainty(pieces[i].coefficients[k]));
     }
     return status;
 }

@@ -132,9 +132,12 @@ static sphv_status compile_piece(sphv_profile *profile, int index, const sphv_ex
 }
 
 /// Adds the knot whose jump is before − after (either may be NULL), unless nothing jumps there.
+/// \param exact the pieces whose number `piece` ends at the knot: those of files with coefficients
+///              of 17 digits are no less smooth than those with fractions. NULL at the origin
 static sphv_status add_knot(sphv_profile *profile, const mpq_t position,
                             const sphv_polynomial *before, const sphv_polynomial *after,
-                            bool over_pi, sphv_error *error)
+                            const sphv_exact_pieces *exact, int piece, bool over_pi,
+                            sphv_error *error)
 {
     int degree = before ? before->degree : 0;
     if (after && after->degree > degree) degree = after->degree;
@@ -146,8 +149,12 @@ static sphv_status add_knot(sphv_profile *profile, const mpq_t position,
         if (before && i <= before->degree) mpq_set(jump.coefficient[i], before->coefficient[i]);
         if (after && i <= after->degree)
             mpq_sub(jump.coefficient[i], jump.coefficient[i], after->coefficient[i]);
-        if (mpq_sgn(jump.coefficient[i]) != 0) order = i;
+        double rounding = 0;
+        for (int side = piece; exact && side < exact->count && side < piece + 2; side++)
+            rounding += sphv_exact_pieces_rounding(exact, side, i, mpq_get_d(position));
+        if (fabs(mpq_get_d(jump.coefficient[i])) > rounding) order = i;
     }
+    for (int i = 0; i < order; i++) mpq_set_ui(jump.coefficient[i], 0, 1);
     if (order >= 0) {
         sphv_knot *knot = &profile->knots[profile->knot_count];
         double *rounded = malloc((size_t)(degree + 1) * sizeof *rounded);
@@ -179,7 +186,7 @@ static sphv_status add_origin(sphv_profile *profile, const sphv_polynomial *firs
         mpq_add(odd.coefficient[i], first->coefficient[i], first->coefficient[i]);
         mpq_neg(odd.coefficient[i], odd.coefficient[i]);
     }
-    status = add_knot(profile, zero, &odd, NULL, over_pi, error);
+    status = add_knot(profile, zero, &odd, NULL, NULL, 0, over_pi, error);
     mpq_clear(zero);
     sphv_polynomial_free(&odd);
     return status;
@@ -202,7 +209,8 @@ static sphv_status compile_pieces(sphv_profile *profile, const sphv_exact_pieces
     if (status == SPHV_OK) status = add_origin(profile, &exact->polynomial[0], over_pi, error);
     for (int i = 0; status == SPHV_OK && i < exact->count; i++)
         status = add_knot(profile, exact->outer[i], &outer.polynomial[i],
-                          i + 1 < exact->count ? &inner.polynomial[i + 1] : NULL, over_pi, error);
+                          i + 1 < exact->count ? &inner.polynomial[i + 1] : NULL, exact, i, over_pi,
+                          error);
     sphv_exact_pieces_free(&inner);
     sphv_exact_pieces_free(&outer);
     return status;

@@ -12,10 +12,17 @@ typedef struct sphv_exact_pieces {
     int count;
     mpq_t *outer;                ///< piece i ends here; piece 0 begins at 0
     sphv_polynomial *polynomial; ///< in powers of q
+    /// Relative uncertainty of numbers that the file writes as decimals of 16 digits or more, which
+    /// stand for others that no decimal holds; 0 when all are short decimals or fractions.
+    double rounding;
 } sphv_exact_pieces;
 
-sphv_status sphv_exact_pieces_make(sphv_exact_pieces *pieces, int count, sphv_error *error)
-    SPHV_MUST_CHECK;
+/// What that uncertainty can make of the order-th Taylor coefficient of a piece about q:
+/// rounding · Σ|a_k| C(k, order) q^(k − order).
+double sphv_exact_pieces_rounding(const sphv_exact_pieces *pieces, int piece, int order, double q);
+
+sphv_status sphv_exact_pieces_make(sphv_exact_pieces *pieces, int count,
+                                   sphv_error *error) SPHV_MUST_CHECK;
 sphv_status sphv_exact_pieces_copy(sphv_exact_pieces *to, const sphv_exact_pieces *from,
                                    int extra_degree, sphv_error *error) SPHV_MUST_CHECK;
 void sphv_exact_pieces_free(sphv_exact_pieces *pieces);

@@ -1,6 +1,7 @@
 #include "rational.h"
 
 #include <ctype.h>
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -78,6 +79,17 @@ sphv_status sphv_rational_parse(const char *text, mpq_t out, sphv_error *error)
                          text);
     if (negative) mpq_neg(out, out);
     return SPHV_OK;
+}
+
+double sphv_decimal_uncertainty(const char *text)
+{
+    int digits = 0;
+    for (const char *c = text; *c && *c != 'e' && *c != 'E'; c++) {
+        if (*c == '/') return 0;
+        digits += isdigit((unsigned char)*c) && (digits > 0 || *c != '0');
+    }
+    if (digits < 16 || !strpbrk(text, ".eE")) return 0;
+    return fmax(pow(10, 1 - digits), DBL_EPSILON);
 }
 
 double sphv_rational_round(const mpq_t value)

@@ -11,6 +11,10 @@
 /// Refuses texts longer than 80 characters and exponents beyond ±400.
 sphv_status sphv_rational_parse(const char *text, mpq_t out, sphv_error *error) SPHV_MUST_CHECK;
 
+/// The relative uncertainty of a number written as a decimal of 16 significant digits or more: one
+/// unit of its last digit, at least 2u. 0 for fractions and short decimals, which mean themselves.
+double sphv_decimal_uncertainty(const char *text);
+
 /// The double nearest to a rational (mpq_get_d truncates; this rounds), ±infinity on overflow.
 double sphv_rational_round(const mpq_t value);
 

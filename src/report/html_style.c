@@ -30,7 +30,7 @@ const char *const sphv_html_style[] = {
     "caption{text-align:left;color:var(--soft);padding:.2rem 0}\n"
     "th,td{padding:.22rem .6rem;text-align:right;border-bottom:1px solid var(--line);"
     "white-space:nowrap;vertical-align:top}\n"
-    "th:first-child,td.t,th.t{text-align:left}\n"
+    "th:first-child,td.t,th.t,table:has(td.t:last-child) thead th:last-child{text-align:left}\n"
     "td.t{white-space:normal;min-width:13rem;max-width:30rem}\n"
     "thead th{background:var(--band);vertical-align:bottom;white-space:normal}\n"
     "tbody th{font-weight:600}\n"
