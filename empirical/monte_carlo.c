@@ -6,9 +6,25 @@
 #include "estimate.h"
 #include "internal.h"
 
-/// Particles of a realisation that are evaluated: those of one wavelength, but at most
-/// PARTICLES_MAX, spread evenly, and on a lattice, which has no end, at least PARTICLES_MIN.
-enum { PARTICLES_MIN = 256, PARTICLES_MAX = 512, BATCH = 8 };
+enum { PARTICLES = 160, BATCH = 8 };
+
+/// How many particles of a realisation are evaluated, and how far apart they are. A lattice has no
+/// end, so particles are taken whose supports do not overlap: neighbours' errors are correlated and
+/// would cost as much and tell less. Without a perturbation they are all alike, and one is enough.
+static void choose_particles(const sphv_cloud *cloud, long *count, double *stride)
+{
+    const sphv_experiment *of = cloud->experiment;
+    *count = PARTICLES;
+    if (of->layout == SPHV_LATTICE || (of->layout == SPHV_PERTURBED && of->sigma == 0)) {
+        *count = 1;
+        *stride = 1;
+    } else if (of->layout == SPHV_PERTURBED) {
+        *stride = ceil(2 * of->profile->support / of->spacing.value);
+    } else {
+        if (cloud->particles < *count) *count = cloud->particles;
+        *stride = (double)cloud->particles / (double)*count;
+    }
+}
 
 /// Of the interval around a Monte-Carlo mean: a report holds hundreds of them, and at 95 % one in
 /// twenty would seem to disagree by chance.
@@ -78,12 +94,11 @@ static void run_realisation(const sphv_experiment *experiment, int number, struc
     *out = (struct realisation){.worst_condition = 1};
     out->status = sphv_cloud_make(&cloud, experiment, number, NULL);
     if (out->status == SPHV_OK) {
-        long all = cloud.particles;
-        if (!cloud.x && experiment->layout == SPHV_PERTURBED && all < PARTICLES_MIN)
-            all = PARTICLES_MIN;
-        long count = all < PARTICLES_MAX ? all : PARTICLES_MAX;
+        long count;
+        double stride;
+        choose_particles(&cloud, &count, &stride);
         for (long i = 0; i < count && out->status == SPHV_OK; i++) {
-            long index = (long)((double)i * (double)all / (double)count);
+            long index = (long)((double)i * stride);
             evaluate(&cloud, index, &around, &field, &field_size, out, &squares);
         }
     }

@@ -56,7 +56,7 @@ typedef struct sphv_disorder_measurement {
 } sphv_disorder_measurement;
 
 /// L2 norm of the error over independent realisations of a layout, averaged over the field's phase;
-/// 256 to 512 particles are evaluated, spread evenly over one wavelength or more; particles without a usable
+/// of a realisation 160 particles are evaluated, on a lattice such that share no neighbours; particles without a usable
 /// estimate (moment matrix singular, or its condition number above 1/√ε) are left out of the norm
 /// and counted by reason. Realisations are added until the 99.9 % interval of the norm is as narrow
 /// as the experiment asks, or its realisations are used up. The same for any number of threads.

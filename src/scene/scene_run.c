@@ -66,7 +66,11 @@ static sphv_status evaluate(const sphv_scene *scene, const sphv_curve *curve, sp
     sphv_experiment experiment = curve->experiment;
     experiment.h = sample->h;
     experiment.spacing = sample->spacing;
-    sphv_status status = sphv_evaluate_experiment(&experiment, NULL, NULL, &sample->point, error);
+    sphv_status status =
+        scene->statistical
+            ? sphv_evaluate_experiment(&experiment, NULL, NULL, &sample->point, error)
+            : sphv_evaluate_point(curve->profile, sample->h, sample->spacing, SPHV_FORM_EXACT,
+                                  false, NULL, NULL, &sample->point, error);
     if (status == SPHV_OK && sample->n >= 0)
         status =
             sphv_compare_paper(curve->profile, sample->h, sample->spacing, &sample->point.empirical,

@@ -19,8 +19,8 @@ for scene in "$SPHVERIFY_DATA"/scenes/*.yaml; do
     math 50 le "${size% *}"
     for column in $(head -n 1 "$csv" | tr ',' ' '); do
         case $column in
-        verdict) "$READ_OUTPUT" column "$csv" verdict | grep -qvx 'agrees' &&
-            failed "$name: a point does not agree" ;;
+        verdict) "$READ_OUTPUT" column "$csv" verdict | grep -qx 'disagrees' &&
+            failed "$name: a point disagrees" ;;
         esac
     done
 done
