@@ -74,6 +74,10 @@ static const struct row rows[] = {
      EACH_DIMENSION,
      true,
      sphv_check_fourier},
+    {{"implementation", "a compiled library behaves, and computes the file's kernel"},
+     ONCE,
+     true,
+     sphv_check_implementation},
 };
 
 enum { ROWS = sizeof rows / sizeof *rows };

@@ -71,5 +71,6 @@ sphv_status sphv_check_derivative(sphv_examination *of, int dimension, sphv_erro
 sphv_status sphv_check_truncation(sphv_examination *of, int dimension, sphv_error *error);
 sphv_status sphv_check_order(sphv_examination *of, int dimension, sphv_error *error);
 sphv_status sphv_check_fourier(sphv_examination *of, int dimension, sphv_error *error);
+sphv_status sphv_check_implementation(sphv_examination *of, int unused, sphv_error *error);
 
 #endif

@@ -29,9 +29,9 @@ enum stage { STARTED, LOADED, CALLING, REPEATING, DONE };
 struct channel {
     atomic_int stage;
     atomic_size_t next; ///< the call being made
-    bool missing_symbol;
-    bool rounding_changed;
-    bool differs;
+    int missing_symbol; // a stray write may leave any bits here, which a bool could not hold
+    int rounding_changed;
+    int differs;
     size_t differing;
     char message[300];
 };
@@ -133,7 +133,7 @@ static kernel_function find(void *library, const char *name, struct channel *cha
     void *symbol = dlsym(library, name);
     memcpy(&function, &symbol, sizeof function);
     if (!function) {
-        channel->missing_symbol = true;
+        channel->missing_symbol = 1;
         snprintf(channel->message, sizeof channel->message, "the library has no function '%s'",
                  name);
     }
@@ -168,7 +168,7 @@ static _Noreturn void serve(const char *path, const struct shared *shared, size_
         sphv_kernel_answer again = {value(call->r, call->h, call->dimension),
                                     derivative(call->r, call->h, call->dimension)};
         if (memcmp(&again, &shared->answers[i], sizeof again) != 0) {
-            channel->differs = true;
+            channel->differs = 1;
             channel->differing = i;
         }
     }
@@ -183,20 +183,21 @@ static _Noreturn void serve(const char *path, const struct shared *shared, size_
 static bool wait_for(pid_t child, double deadline, int *status)
 {
     struct timespec pause = {0, 200000};
+    bool in_time = true;
     for (;;) {
-        pid_t ended = waitpid(child, status, WNOHANG);
-        if (ended == child || (ended < 0 && errno != EINTR)) break;
-        if (now() > deadline) {
-            kill(-child, SIGKILL);
-            kill(child, SIGKILL);
-            while (waitpid(child, status, 0) < 0 && errno == EINTR) continue;
-            return false;
-        }
+        siginfo_t info = {0};
+        int failed = waitid(P_PID, (id_t)child, &info, WEXITED | WNOHANG | WNOWAIT);
+        if (info.si_pid == child || (failed && errno != EINTR)) break;
+        in_time = now() <= deadline;
+        if (!in_time) break;
         nanosleep(&pause, NULL);
         if (pause.tv_nsec < 5000000) pause.tv_nsec *= 2;
     }
-    kill(-child, SIGKILL); // what it may have started and left behind
-    return true;
+    // Before it is waited for, so that its number still means this child and its group.
+    kill(-child, SIGKILL);
+    kill(child, SIGKILL);
+    while (waitpid(child, status, 0) < 0 && errno == EINTR) continue;
+    return in_time;
 }
 
 static size_t count_printed(int output)
@@ -260,9 +261,9 @@ static void conclude(const struct shared *shared, const sphv_kernel_call *calls,
     say_where(channel, calls, count, where, sizeof where);
     run->answered = stage >= REPEATING ? count : stage == CALLING ? channel->next : 0;
     if (run->answered > count) run->answered = count;
-    run->repeatable = !channel->differs;
+    run->repeatable = channel->differs == 0;
     run->differing = channel->differing < count ? channel->differing : 0;
-    run->rounding_changed = channel->rounding_changed;
+    run->rounding_changed = channel->rounding_changed != 0;
     if (!ended) {
         run->outcome = SPHV_OUTCOME_TIMED_OUT;
         snprintf(run->message, sizeof run->message, "no answer within %g s %s: an endless loop?",
@@ -270,7 +271,7 @@ static void conclude(const struct shared *shared, const sphv_kernel_call *calls,
     } else if (WIFSIGNALED(status)) {
         run->outcome = SPHV_OUTCOME_TRAPPED;
         say_signal(WTERMSIG(status), where, run->message, sizeof run->message);
-    } else if (channel->missing_symbol) {
+    } else if (channel->missing_symbol != 0) {
         run->outcome = SPHV_OUTCOME_NO_SYMBOL;
         snprintf(run->message, sizeof run->message, "%.299s", channel->message);
     } else if (stage < LOADED && channel->message[0]) {

@@ -157,6 +157,22 @@ static sphv_status read_options(struct session *session, sphv_error *error)
                          "kernels named beside --%s; allowed: one or "
                          "the other",
                          all ? "all" : "self-test");
+    session->options.implementation = sphv_argument(arguments, "implementation");
+    if (session->options.implementation && arguments->operand_count != 1)
+        return sphv_fail(error, SPHV_INVALID_INPUT,
+                         "--implementation with %d kernels; allowed: the one kernel that the "
+                         "library computes",
+                         arguments->operand_count);
+    const char *seconds = sphv_argument(arguments, "time-limit");
+    if (seconds) {
+        sphv_number limit;
+        sphv_status status = sphv_number_parse(seconds, &limit, error);
+        if (status != SPHV_OK) return status;
+        if (!(limit.value >= 0.01 && limit.value <= 3600))
+            return sphv_fail(error, SPHV_INVALID_INPUT,
+                             "--time-limit %.40s; allowed: 0.01 to 3600 seconds", seconds);
+        session->options.time_limit = limit.value;
+    }
     return sphv_dimension_option(arguments, 0, &session->options.dimension, error);
 }
 
@@ -200,6 +216,8 @@ static const sphv_option options[] = {
     {"dim", 'd', "D", "only this dimension: 1, 2 or 3 (default: all that the file declares)"},
     {"all", 'a', NULL, "the whole catalogue (also when no kernel is named)"},
     {"output", 'o', "DIR", "also write check-NAME.json and check-NAME.md to this folder"},
+    {"implementation", 'i', "FILE", "a shared library that computes K: check it against the file"},
+    {"time-limit", 't', "S", "seconds that the library may take (default: 5)"},
     {"self-test", 0, NULL, "apply every kind of defect to every kernel; are all caught?"},
     {NULL, 0, NULL, NULL},
 };
@@ -212,9 +230,14 @@ const sphv_command sphv_command_check = {
     "that the file claims are verified, and so is what every kernel must meet: it is positive\n"
     "and largest at the origin, value and slope are continuous and vanish at the edge. A check\n"
     "that fails names the likely cause. Lines marked 'stated' require nothing.\n\n"
+    "With --implementation the functions\n"
+    "  double kernel_value(double r, double h, int dim)       W(r, h)\n"
+    "  double kernel_derivative(double r, double h, int dim)  dW/dr\n"
+    "of a shared library are called in a child process and judged by their own rounding.\n\n"
     "Examples:\n"
     "  sphverify check cubic-spline\n"
     "  sphverify check mine.yaml --dim 3 --format json\n"
+    "  sphverify check cubic-spline --implementation ./libmine.so\n"
     "  sphverify check --all -o checks\n",
     0,
     -1,
