@@ -21,7 +21,7 @@ static bool piece_is_zero(const sphv_polynomial *p)
 /// Was a negative tail replaced by zero? Then the kernel arrives at zero with a slope.
 static bool clamped_at(const sphv_exact_pieces *pieces, int piece)
 {
-    if (piece == 0) return false;
+    if (piece < 1) return false;
     const sphv_polynomial *before = &pieces->polynomial[piece - 1];
     sphv_polynomial shifted;
     if (sphv_polynomial_make(&shifted, before->degree, NULL) != SPHV_OK) return false;
@@ -43,7 +43,7 @@ static double exact_end(const sphv_examination *of, const sphv_profile *profile,
     int last = pieces->count;
     while (last > 0 && piece_is_zero(&pieces->polynomial[last - 1])) last--;
     if (last < pieces->count) *zero_piece = last;
-    return last ? mpq_get_d(pieces->outer[last - 1]) : 0;
+    return last ? sphv_rational_round(pieces->outer[last - 1]) : 0;
 }
 
 static bool zero_inside(const sphv_exact_pieces *pieces, int below)
@@ -82,7 +82,7 @@ sphv_status sphv_check_support(sphv_examination *of, int dimension, sphv_error *
         sphv_check_fail(result);
         sphv_check_cause(result, "w(κ) evaluates to %g", beyond);
     }
-    if (end != profile->support) {
+    if (zero_piece >= 0) {
         sphv_check_fail(result);
         if (clamped_at(&of->kernel->pieces, zero_piece))
             sphv_check_cause(result,
