@@ -7,13 +7,6 @@
 
 enum { SPHV_SUMS_MAX = 16 };
 
-/// Which quarter of the wave the particle sits on; the phase average of a squared error is the mean
-/// of both.
-typedef enum sphv_phase {
-    SPHV_PHASE_SINE,   ///< A = sin(Ks): value 0, slope 1
-    SPHV_PHASE_COSINE, ///< A = cos(Ks): value 1, slope 0
-} sphv_phase;
-
 /// Mean and covariance of a method's sums Z = Σ_b z(s_b) V_b/h.
 typedef struct sphv_sums {
     int count;

@@ -94,6 +94,7 @@ void sphv_neighbourhood_free(sphv_neighbourhood *neighbourhood)
 {
     free(neighbourhood->s);
     free(neighbourhood->volume);
+    free(neighbourhood->centroid);
     *neighbourhood = (sphv_neighbourhood){0};
 }
 
@@ -104,7 +105,9 @@ static sphv_status reserve(sphv_neighbourhood *out, long count)
     if (s) out->s = s;
     double *volume = realloc(out->volume, (size_t)count * sizeof *volume);
     if (volume) out->volume = volume;
-    if (!s || !volume) return SPHV_RESOURCE_FAILURE;
+    double *centroid = realloc(out->centroid, (size_t)count * sizeof *centroid);
+    if (centroid) out->centroid = centroid;
+    if (!s || !volume || !centroid) return SPHV_RESOURCE_FAILURE;
     out->capacity = (int)count;
     return SPHV_OK;
 }
@@ -176,6 +179,10 @@ static void density_volumes(const sphv_experiment *of, sphv_neighbourhood *out)
 
 static void assign_volumes(const sphv_experiment *of, sphv_neighbourhood *out)
 {
+    for (int b = 0; b < out->count; b++) {
+        double left = out->s[b ? b - 1 : b], right = out->s[b + 1 < out->count ? b + 1 : b];
+        out->centroid[b] = 0.25 * (left + 2 * out->s[b] + right);
+    }
     switch (of->volume) {
     case SPHV_VOLUME_LATTICE:
     case SPHV_VOLUME_UNIT:
@@ -199,6 +206,7 @@ static void trim(const sphv_experiment *of, sphv_neighbourhood *out)
         if (!(fabs(out->s[b]) < of->profile->support)) continue;
         if (b == out->self) self = kept;
         out->s[kept] = out->s[b];
+        out->centroid[kept] = out->centroid[b];
         out->volume[kept++] = out->volume[b];
     }
     out->count = kept;

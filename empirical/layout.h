@@ -9,10 +9,11 @@
 /// between calls.
 typedef struct sphv_neighbourhood {
     int count, capacity;
-    int self;       ///< index of the particle itself
-    double origin;  ///< its position in wavelengths
-    double *s;      ///< (x_b − x_a)/h, ascending, within the support
-    double *volume; ///< V_b/h
+    int self;         ///< index of the particle itself
+    double origin;    ///< its position in wavelengths
+    double *s;        ///< (x_b − x_a)/h, ascending, within the support
+    double *volume;   ///< V_b/h
+    double *centroid; ///< middle of the cell between both neighbours
 } sphv_neighbourhood;
 
 /// A layout made ready: for lattice-based layouts nothing is stored, each position is a function of

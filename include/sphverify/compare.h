@@ -58,6 +58,21 @@ sphv_status sphv_evaluate_experiment(const sphv_experiment *experiment, sphv_pro
                                      void *context, sphv_point *out,
                                      sphv_error *error) SPHV_MUST_CHECK;
 
+/// The terms of eq. 20 or 25 on actual particles, root mean squares over particles and phases.
+typedef struct sphv_term_table {
+    const sphv_term_row *rows; ///< ended by a row without a name
+    double rms[SPHV_TERMS_MAX];
+    double sum;      ///< of all terms
+    double measured; ///< the error they stand for: eq. 20 without the smoothing error
+    double residual; ///< measured − sum, particle by particle
+    int particles;
+} sphv_term_table;
+
+/// Evaluates the terms for 512 particles of a tessellated layout.
+/// \return SPHV_NO_CLOSED_FORM for methods and volume rules without such terms
+sphv_status sphv_evaluate_terms(const sphv_experiment *experiment, sphv_term_table *table,
+                                sphv_error *error) SPHV_MUST_CHECK;
+
 /// Least-squares slope of log|y| against log x with the standard error of the slope; points with
 /// y = 0 are left out. NaN when fewer than two remain.
 sphv_result sphv_fit_slope(const double *x, const double *y, size_t count);

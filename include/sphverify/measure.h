@@ -56,13 +56,25 @@ typedef struct sphv_disorder_measurement {
 } sphv_disorder_measurement;
 
 /// L2 norm of the error over independent realisations of a layout, averaged over the field's phase;
-/// of a realisation 160 particles are evaluated, on a lattice such that share no neighbours; particles without a usable
-/// estimate (moment matrix singular, or its condition number above 1/√ε) are left out of the norm
-/// and counted by reason. Realisations are added until the 99.9 % interval of the norm is as narrow
-/// as the experiment asks, or its realisations are used up. The same for any number of threads.
-/// \param progress may be NULL
+/// of a realisation 160 particles are evaluated, on a lattice such that share no neighbours;
+/// particles without a usable estimate (moment matrix singular, or its condition number above 1/√ε)
+/// are left out of the norm and counted by reason. Realisations are added until the 99.9 % interval
+/// of the norm is as narrow as the experiment asks, or its realisations are used up. The same for
+/// any number of threads. \param progress may be NULL
 sphv_status sphv_measure_disorder(const sphv_experiment *experiment, sphv_progress progress,
                                   void *context, sphv_disorder_measurement *out,
                                   sphv_error *error) SPHV_MUST_CHECK;
+
+/// One particle of one realisation, with its neighbours and its errors.
+typedef struct sphv_observation {
+    sphv_cells cells;
+    double error[2]; ///< error/max|A′| by sphv_phase of the field at the particle; NaN where none
+    double *memory;
+} sphv_observation;
+
+/// Looks at one particle; release with sphv_observation_free.
+sphv_status sphv_observe(const sphv_experiment *experiment, int realisation, long index,
+                         sphv_observation *out, sphv_error *error) SPHV_MUST_CHECK;
+void sphv_observation_free(sphv_observation *observation);
 
 #endif

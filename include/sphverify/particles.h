@@ -73,6 +73,21 @@ typedef struct sphv_experiment {
     int realisations_min, realisations_max;
 } sphv_experiment;
 
+/// Which quarter of the wave a particle sits on; the phase average of a squared error is the mean
+/// of both, since the error is linear in the field.
+typedef enum sphv_phase {
+    SPHV_PHASE_SINE,   ///< A = sin(Ks): value 0, slope k
+    SPHV_PHASE_COSINE, ///< A = cos(Ks): value 1, slope 0
+} sphv_phase;
+
+/// The particles within the support of one of them with the cells they stand for, in units of h.
+typedef struct sphv_cells {
+    int count, self;
+    const double *s;        ///< s_b = (x_b − x_a)/h, ascending
+    const double *centroid; ///< s̄_b, middle of the cell
+    const double *volume;   ///< Δs_b, width of the cell
+} sphv_cells;
+
 /// Largest σ/Δx accepted.
 #define SPHV_SIGMA_MAX 10.0
 

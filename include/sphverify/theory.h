@@ -108,4 +108,21 @@ sphv_result sphv_periodic_bernoulli(int p, double fraction, int modes);
 sphv_status sphv_predict_disorder(const sphv_experiment *experiment, sphv_prediction *out,
                                   sphv_error *error) SPHV_MUST_CHECK;
 
+enum { SPHV_TERMS_MAX = 5 };
+
+/// A term of eq. 20 (standard SPH) or eq. 25 (consistent methods).
+typedef struct sphv_term_row {
+    const char *name;  ///< as evaluated
+    const char *order; ///< as printed in eqs. 22–23
+    sphv_phase phase;  ///< where on the wave it acts: with A and A″, or with A′ and A‴
+} sphv_term_row;
+
+/// Eq. 20 or 25 for actual particles: each printed term, divided by max|A′|. The sums' coefficients
+/// δ_b, s̄_b and Δs_b are those of the cells, not averages. Eq. 20 is the discretisation error
+/// alone. Terms of the same order in h but higher in Δs are left out, as in the paper. \param terms
+/// receives SPHV_TERMS_MAX numbers at most \return the rows, ended by one without a name; NULL when
+/// the method or volume rule has none
+const sphv_term_row *sphv_disorder_terms(const sphv_experiment *experiment, const sphv_cells *cells,
+                                         double *terms);
+
 #endif

@@ -1,0 +1,58 @@
+#include <gsl/gsl_math.h>
+#include <stdlib.h>
+
+#include "estimate.h"
+#include "internal.h"
+
+/// The error of one phase of the field, divided by max|A′|.
+static double error_of(const sphv_experiment *of, const sphv_neighbourhood *around,
+                       sphv_phase phase, double *field)
+{
+    double K = 2 * M_PI * of->h;
+    for (int b = 0; b < around->count; b++)
+        field[b] = phase == SPHV_PHASE_SINE ? sin(K * around->s[b]) : cos(K * around->s[b]);
+    sphv_estimate estimate = sphv_estimate_gradient(of->method, of->profile, around, field);
+    if (estimate.fault != SPHV_ESTIMATE_SOUND) return NAN;
+    return estimate.gradient / K - (phase == SPHV_PHASE_SINE ? 1 : 0);
+}
+
+sphv_status sphv_observe(const sphv_experiment *experiment, int realisation, long index,
+                         sphv_observation *out, sphv_error *error)
+{
+    sphv_cloud cloud;
+    sphv_neighbourhood around = {0};
+    *out = (sphv_observation){.error = {NAN, NAN}};
+    sphv_status status = sphv_cloud_make(&cloud, experiment, realisation, error);
+    if (status != SPHV_OK) return status;
+    if (cloud.x && (index < 0 || index >= cloud.particles))
+        status = sphv_fail(error, SPHV_INVALID_INPUT, "no particle %ld; allowed: 0 to %ld", index,
+                           cloud.particles - 1);
+    if (status == SPHV_OK) {
+        status = sphv_cloud_neighbourhood(&cloud, index, &around);
+        double *field = status == SPHV_OK ? malloc((size_t)around.count * 4 * sizeof *field) : NULL;
+        if (!field) {
+            status = sphv_fail(error, SPHV_RESOURCE_FAILURE, "out of memory");
+        } else {
+            double *s = field + around.count, *centroid = s + around.count;
+            double *volume = centroid + around.count;
+            for (int b = 0; b < around.count; b++) {
+                s[b] = around.s[b];
+                centroid[b] = around.centroid[b];
+                volume[b] = around.volume[b];
+            }
+            for (int phase = SPHV_PHASE_SINE; phase <= SPHV_PHASE_COSINE; phase++)
+                out->error[phase] = error_of(experiment, &around, (sphv_phase)phase, field);
+            out->cells = (sphv_cells){around.count, around.self, s, centroid, volume};
+            out->memory = field;
+        }
+    }
+    sphv_neighbourhood_free(&around);
+    sphv_cloud_free(&cloud);
+    return status;
+}
+
+void sphv_observation_free(sphv_observation *observation)
+{
+    free(observation->memory);
+    *observation = (sphv_observation){.memory = NULL};
+}
