@@ -128,6 +128,10 @@ static void sum_sizes(const sphv_kernel *kernel, const sphv_profile *profile, sp
     if (!kernel->polynomial) {
         probe->size[0] = profile->pieces[0].derivative_bound[0];
         probe->size[1] = profile->pieces[0].derivative_bound[1];
+        // The derivative of sinc^m is m sinc^(m−1) (cos θ − sin θ/θ)/q in the usual form, with a
+        // few roundings of either term, however small their difference.
+        if (profile->form->family->needs_exponent && probe->q > 0)
+            probe->size[1] += 0.25 * profile->form->exponent * probe->reference[0].value / probe->q;
         return;
     }
     const sphv_exact_pieces *exact = &kernel->exact[profile->dimension - 1];
