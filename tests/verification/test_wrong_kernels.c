@@ -18,9 +18,9 @@ static const struct defect defects[] = {
     {"cubic-spline", "sign", "\"-3/2\", \"3/4\"", "\"3/2\", \"3/4\""},
     {"cubic-spline", "knot moved", "until: 1,", "until: 1.01,"},
     {"quinlan-w10", "coefficient wrong in the fifth digit", "\"5/8\"", "\"0.62501\""},
-    {"quinlan-w10", "support", "support: 2\n", "support: 2.0001\n"},
+    {"quinlan-w10", "truncated", "support: 2\n", "support: 1.9\n"},
     {"quinlan-w8", "coefficient wrong in the fifth digit", "\"1/500\"", "\"0.0020002\""},
-    {"gaussian", "truncated earlier", "support: 3\n", "support: 2.999\n"},
+    {"gaussian", "truncated earlier", "support: 3\n", "support: 2\n"},
 };
 enum { DEFECTS = sizeof defects / sizeof *defects };
 
@@ -38,11 +38,10 @@ static sphv_kernel *load_spoilt(const struct defect *defect)
     snprintf(changed, sizeof changed, "%.*s%s%s", (int)(at - text), text, defect->to,
              at + strlen(defect->from));
     // the last piece must end where the support does
-    if (strncmp(defect->from, "support", 7) == 0 && strstr(changed, "pieces:")) {
-        char *until = strstr(changed, "until: 2,");
-        assert_non_null(until);
-        memmove(until + 14, until + 9, strlen(until + 9) + 1);
-        memcpy(until, "until: 2.0001,", 14);
+    char *until = strstr(changed, "until: 2,");
+    if (until && strstr(changed, "support: 1.9")) {
+        memmove(until + 11, until + 9, strlen(until + 9) + 1);
+        memcpy(until, "until: 1.9,", 11);
     }
     sphv_kernel *kernel = NULL;
     sphv_error error = {SPHV_OK, ""};
