@@ -1,6 +1,6 @@
 #include "estimate.h"
 
-#include <math.h>
+#include <gsl/gsl_math.h>
 #include <string.h>
 
 #include "internal.h"
@@ -154,4 +154,14 @@ sphv_estimate sphv_estimate_gradient(sphv_method method, const sphv_profile *pro
         return moving_least_squares(2, profile, around, field);
     }
     return judge(NAN, INFINITY);
+}
+
+double sphv_phase_error(const sphv_experiment *experiment, const sphv_neighbourhood *around,
+                        sphv_phase phase, double *field, sphv_estimate *estimate)
+{
+    double K = 2 * M_PI * experiment->h;
+    for (int b = 0; b < around->count; b++)
+        field[b] = phase == SPHV_PHASE_SINE ? sin(K * around->s[b]) : cos(K * around->s[b]);
+    *estimate = sphv_estimate_gradient(experiment->method, experiment->profile, around, field);
+    return estimate->gradient / K - (phase == SPHV_PHASE_SINE ? 1 : 0);
 }

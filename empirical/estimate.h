@@ -24,4 +24,10 @@ typedef struct sphv_estimate {
 sphv_estimate sphv_estimate_gradient(sphv_method method, const sphv_profile *profile,
                                      const sphv_neighbourhood *around, const double *field);
 
+/// The error of the gradient divided by max|A′| when the particle sits on the sine's zero or on its
+/// crest; the estimate's own findings go to `estimate`.
+/// \param field room for as many numbers as the neighbourhood has particles
+double sphv_phase_error(const sphv_experiment *experiment, const sphv_neighbourhood *around,
+                        sphv_phase phase, double *field, sphv_estimate *estimate);
+
 #endif

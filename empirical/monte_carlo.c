@@ -33,6 +33,7 @@ static const double confidence = 0.999;
 /// What one realisation found.
 struct realisation {
     double mean_square; ///< of the error at sound particles, divided by max|A′|²
+    double mean;        ///< of the relative error of the slope, E
     long sound, particles, pairs;
     long faults[SPHV_ESTIMATE_NOT_FINITE + 1];
     double worst_condition;
@@ -40,39 +41,31 @@ struct realisation {
 };
 
 static void evaluate(const sphv_cloud *cloud, long index, sphv_neighbourhood *around,
-                     double **field, int *field_size, struct realisation *into, sphv_sum *squares)
+                     double **field, int *field_size, struct realisation *into, sphv_sum *squares,
+                     sphv_sum *errors)
 {
     const sphv_experiment *of = cloud->experiment;
     if (sphv_cloud_neighbourhood(cloud, index, around) != SPHV_OK) {
         into->status = SPHV_RESOURCE_FAILURE;
         return;
     }
-    if (2 * around->count > *field_size) {
-        double *larger = realloc(*field, 2 * (size_t)around->count * sizeof **field);
+    if (around->count > *field_size) {
+        double *larger = realloc(*field, (size_t)around->count * sizeof **field);
         if (!larger) {
             into->status = SPHV_RESOURCE_FAILURE;
             return;
         }
         *field = larger;
-        *field_size = 2 * around->count;
+        *field_size = around->count;
     }
     // The error is linear in the field, so its square averaged over the field's phase is the mean
-    // of those of a sine and a cosine: no bias from where the particles happen to stand on the
+    // of those on a zero and on a crest: no bias from where the particles happen to stand on the
     // wave.
-    double *sine = *field, *cosine = *field + around->count, square = 0;
-    double own_sine = sin(2 * M_PI * around->origin), own_cosine = cos(2 * M_PI * around->origin);
-    for (int b = 0; b < around->count; b++) {
-        double at = 2 * M_PI * of->h * around->s[b], s = sin(at), c = cos(at);
-        sine[b] = own_sine * c + own_cosine * s;
-        cosine[b] = own_cosine * c - own_sine * s;
-    }
+    double error[2];
     sphv_estimate_fault fault = SPHV_ESTIMATE_SOUND;
-    for (int quarter = 0; quarter < 2; quarter++) {
-        sphv_estimate estimate =
-            sphv_estimate_gradient(of->method, of->profile, around, quarter ? cosine : sine);
-        double exact = quarter ? -own_sine : own_cosine;
-        double error = estimate.gradient / (2 * M_PI * of->h) - exact;
-        square += 0.5 * error * error;
+    for (int phase = SPHV_PHASE_SINE; phase <= SPHV_PHASE_COSINE; phase++) {
+        sphv_estimate estimate;
+        error[phase] = sphv_phase_error(of, around, (sphv_phase)phase, *field, &estimate);
         into->worst_condition = fmax(into->worst_condition, estimate.condition);
         if (estimate.fault != SPHV_ESTIMATE_SOUND) fault = estimate.fault;
     }
@@ -80,7 +73,8 @@ static void evaluate(const sphv_cloud *cloud, long index, sphv_neighbourhood *ar
     into->pairs += around->count;
     into->faults[fault]++;
     if (fault != SPHV_ESTIMATE_SOUND) return;
-    sphv_sum_add(squares, square, 0);
+    sphv_sum_add(squares, 0.5 * (error[0] * error[0] + error[1] * error[1]), 0);
+    sphv_sum_add(errors, error[SPHV_PHASE_SINE], 0);
     into->sound++;
 }
 
@@ -88,7 +82,7 @@ static void run_realisation(const sphv_experiment *experiment, int number, struc
 {
     sphv_cloud cloud;
     sphv_neighbourhood around = {0};
-    sphv_sum squares = {0, 0, 0};
+    sphv_sum squares = {0, 0, 0}, errors = {0, 0, 0};
     double *field = NULL;
     int field_size = 0;
     *out = (struct realisation){.worst_condition = 1};
@@ -99,26 +93,39 @@ static void run_realisation(const sphv_experiment *experiment, int number, struc
         choose_particles(&cloud, &count, &stride);
         for (long i = 0; i < count && out->status == SPHV_OK; i++) {
             long index = (long)((double)i * stride);
-            evaluate(&cloud, index, &around, &field, &field_size, out, &squares);
+            evaluate(&cloud, index, &around, &field, &field_size, out, &squares, &errors);
         }
     }
     sphv_result total = sphv_sum_result(&squares);
+    out->mean = out->sound > 0 ? sphv_sum_result(&errors).value / (double)out->sound : NAN;
     out->mean_square = out->sound > 0 ? total.value / (double)out->sound : NAN;
     free(field);
     sphv_neighbourhood_free(&around);
     sphv_cloud_free(&cloud);
 }
 
+static double mean_square_of(const struct realisation *found)
+{
+    return found->mean_square;
+}
+
+static double mean_of(const struct realisation *found)
+{
+    return found->mean;
+}
+
 /// Mean over realisations with the half-width of its 99.9 % interval (Student's t).
-static sphv_result interval(const struct realisation *found, int count)
+static sphv_result interval(const struct realisation *found, int count,
+                            double (*take)(const struct realisation *found))
 {
     double mean = 0, squares = 0;
     int used = 0;
     for (int i = 0; i < count; i++) {
-        if (!isfinite(found[i].mean_square)) continue;
-        double difference = found[i].mean_square - mean;
+        double value = take(&found[i]);
+        if (!isfinite(value)) continue;
+        double difference = value - mean;
         mean += difference / ++used;
-        squares += difference * (found[i].mean_square - mean);
+        squares += difference * (value - mean);
     }
     if (used < 2) return (sphv_result){used ? mean : NAN, INFINITY};
     double error = sqrt(squares / (used - 1.0) / used);
@@ -137,13 +144,17 @@ static void collect(const struct realisation *found, int count, double h,
         out->not_finite += found[i].faults[SPHV_ESTIMATE_NOT_FINITE];
         out->worst_condition = fmax(out->worst_condition, found[i].worst_condition);
     }
-    out->mean_square = interval(found, count);
+    out->mean_square = interval(found, count, mean_square_of);
+    out->mean = interval(found, count, mean_of);
     out->l2.value = sqrt(out->mean_square.value);
     // Rounding, which alone is left on a lattice: n + 16 operations on terms that sum to less
     // than 4.
     double neighbours = out->particles ? (double)out->pairs / (double)out->particles : 0;
-    out->l2.bound = out->mean_square.bound / (2 * out->l2.value) +
-                    (neighbours + 16) * 4 * SPHV_U * (1 + 1 / (2 * M_PI * h));
+    double rounding = (neighbours + 16) * 4 * SPHV_U * (1 + 1 / (2 * M_PI * h));
+    double chance = out->l2.value > 0 ? out->mean_square.bound / (2 * out->l2.value)
+                                      : sqrt(out->mean_square.bound);
+    out->l2.bound = chance + rounding;
+    out->mean.bound += rounding;
 }
 
 static double now(void)

@@ -1,20 +1,8 @@
-#include <gsl/gsl_math.h>
+#include <math.h>
 #include <stdlib.h>
 
 #include "estimate.h"
 #include "internal.h"
-
-/// The error of one phase of the field, divided by max|A′|.
-static double error_of(const sphv_experiment *of, const sphv_neighbourhood *around,
-                       sphv_phase phase, double *field)
-{
-    double K = 2 * M_PI * of->h;
-    for (int b = 0; b < around->count; b++)
-        field[b] = phase == SPHV_PHASE_SINE ? sin(K * around->s[b]) : cos(K * around->s[b]);
-    sphv_estimate estimate = sphv_estimate_gradient(of->method, of->profile, around, field);
-    if (estimate.fault != SPHV_ESTIMATE_SOUND) return NAN;
-    return estimate.gradient / K - (phase == SPHV_PHASE_SINE ? 1 : 0);
-}
 
 sphv_status sphv_observe(const sphv_experiment *experiment, int realisation, long index,
                          sphv_observation *out, sphv_error *error)
@@ -40,8 +28,12 @@ sphv_status sphv_observe(const sphv_experiment *experiment, int realisation, lon
                 centroid[b] = around.centroid[b];
                 volume[b] = around.volume[b];
             }
-            for (int phase = SPHV_PHASE_SINE; phase <= SPHV_PHASE_COSINE; phase++)
-                out->error[phase] = error_of(experiment, &around, (sphv_phase)phase, field);
+            for (int phase = SPHV_PHASE_SINE; phase <= SPHV_PHASE_COSINE; phase++) {
+                sphv_estimate estimate;
+                double error_found =
+                    sphv_phase_error(experiment, &around, (sphv_phase)phase, field, &estimate);
+                out->error[phase] = estimate.fault == SPHV_ESTIMATE_SOUND ? error_found : NAN;
+            }
             out->cells = (sphv_cells){around.count, around.self, s, centroid, volume};
             out->memory = field;
         }

@@ -48,6 +48,7 @@ sphv_status sphv_measure_lattice_exhaustive(const sphv_profile *profile, double 
 typedef struct sphv_disorder_measurement {
     sphv_result mean_square; ///< of error/max|A′|, bound: half-width of its 99.9 % interval
     sphv_result l2;          ///< its square root, the L2 norm
+    sphv_result mean;        ///< of E, the relative error of the gradient, signed
     int realisations;
     long particles, pairs;                      ///< estimates made, and kernel evaluations for them
     long singular, ill_conditioned, not_finite; ///< particles without a usable estimate, by reason

@@ -108,6 +108,20 @@ sphv_result sphv_periodic_bernoulli(int p, double fraction, int modes);
 sphv_status sphv_predict_disorder(const sphv_experiment *experiment, sphv_prediction *out,
                                   sphv_error *error) SPHV_MUST_CHECK;
 
+/// Closed forms for standard SPH with volumes Δx on a perturbed lattice (theory of this project).
+typedef struct sphv_lattice_noise {
+    sphv_result mean; ///< expected relative error E of the gradient
+    double noise_l2;  ///< L2 norm of the scatter about the mean, to first order in σ
+    double l2;        ///< √(mean²/2 + noise²)
+} sphv_lattice_noise;
+
+/// Mean: each alias of the lattice sum is multiplied by the characteristic function of the distance
+/// of two perturbations, E = E_s + Σ_{m≠0} F(2πm/Δs) e^{−(2πmσ)²} − Δs E[f(√2 σΔs ξ)], the last
+/// term taking out the particle itself, which keeps its place. Scatter: (σ/Δx) (Δx/h)^(3/2) √(∫Ŵ″²
+/// + K²Ŵ′² ds)/(K√2), K = 2πh: of order 1/h, and 3/2 in Δx/h. \param sigma σ/Δx ≥ 0
+sphv_lattice_noise sphv_predict_lattice_noise(const sphv_profile *profile, double h,
+                                              sphv_number spacing, double sigma);
+
 enum { SPHV_TERMS_MAX = 5 };
 
 /// A term of eq. 20 (standard SPH) or eq. 25 (consistent methods).

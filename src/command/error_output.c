@@ -25,6 +25,39 @@ static json_t *disorder_json(const sphv_disorder_measurement *measured)
                      sphv_json_number(measured->worst_condition));
 }
 
+/// The closed forms for standard SPH with volumes Δx, which say where the norm comes from.
+static bool has_closed_form(const sphv_experiment *experiment)
+{
+    return experiment->method == SPHV_SPH && experiment->layout == SPHV_PERTURBED &&
+           experiment->volume == SPHV_VOLUME_LATTICE;
+}
+
+static sphv_lattice_noise closed_form(const sphv_experiment *experiment)
+{
+    return sphv_predict_lattice_noise(experiment->profile, experiment->h, experiment->spacing,
+                                      experiment->sigma);
+}
+
+static json_t *closed_form_json(const sphv_experiment *experiment,
+                                const sphv_disorder_measurement *measured)
+{
+    sphv_lattice_noise noise = closed_form(experiment);
+    return json_pack("{s:o, s:o, s:o, s:o, s:o}", "mean", sphv_json_number(noise.mean.value),
+                     "measured_mean", sphv_json_number(measured->mean.value), "measured_mean_bound",
+                     sphv_json_number(measured->mean.bound), "noise_l2",
+                     sphv_json_number(noise.noise_l2), "l2", sphv_json_number(noise.l2));
+}
+
+static void print_closed_form(const sphv_experiment *experiment,
+                              const sphv_disorder_measurement *measured)
+{
+    sphv_lattice_noise noise = closed_form(experiment);
+    printf("\nclosed forms (characteristic function on each alias; first-order noise)\n"
+           "  mean error E    %22.9e  %22.9e  (+- %.1e)\n"
+           "  noise           %22.9e\n  norm of both    %22.9e\n",
+           noise.mean.value, measured->mean.value, measured->mean.bound, noise.noise_l2, noise.l2);
+}
+
 static json_t *as_json(const sphv_error_question *of, const sphv_point *point,
                        const sphv_term_table *terms)
 {
@@ -51,6 +84,8 @@ static json_t *as_json(const sphv_error_question *of, const sphv_point *point,
         sphv_verdict_name(point->verdict));
     if (point->statistical)
         json_object_set_new(answer, "disorder", disorder_json(&point->disorder));
+    if (has_closed_form(experiment))
+        json_object_set_new(answer, "closed_form", closed_form_json(experiment, &point->disorder));
     if (terms) json_object_set_new(answer, "terms", terms_json(terms));
     return answer;
 }
@@ -120,6 +155,7 @@ static void print_statistics(const sphv_error_question *of, const sphv_point *po
                "number %.2e)\n",
                measured->singular, measured->ill_conditioned, measured->not_finite,
                measured->worst_condition);
+    if (has_closed_form(experiment)) print_closed_form(experiment, measured);
     if (terms) print_terms(terms);
     if (predicted)
         printf("\n%s: |analytic - empirical| = %.1e, sum of bounds %.1e (%s)\n",
