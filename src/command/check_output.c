@@ -1,6 +1,7 @@
 #include "check_output.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "command.h"
 #include "report/text.h"
@@ -88,6 +89,22 @@ static const char *word(const sphv_check_result *result)
                : sphv_verdict_name(result->verdict);
 }
 
+/// The cause of one result. What the whole report names at its end is not repeated at each check.
+static void put_cause(FILE *stream, const sphv_check_report *report,
+                      const sphv_check_result *result)
+{
+    char text[sizeof result->cause];
+    snprintf(text, sizeof text, "%s", result->cause);
+    char *known = *report->cause ? strstr(text, report->cause) : NULL;
+    if (known) {
+        *known = '\0';
+        if (known - text >= 2) known[-2] = '\0'; // the "; " before it
+    }
+    if (!*text) return;
+    fprintf(stream, "\n  %-12s  %s ", "", result->verdict == SPHV_AGREES ? "note:" : "->");
+    put_padded(stream, text, 0);
+}
+
 void sphv_check_print_text(FILE *stream, const sphv_check_report *report)
 {
     put_padded(stream, report->kernel, 0);
@@ -105,10 +122,7 @@ void sphv_check_print_text(FILE *stream, const sphv_check_report *report)
         put_number(stream, result->empirical);
         fprintf(stream, "  %8.1e  ", result->bound);
         put_padded(stream, result->claim, 0);
-        if (*result->cause) {
-            fprintf(stream, "\n  %-12s  %s ", "", result->verdict == SPHV_AGREES ? "note:" : "->");
-            put_padded(stream, result->cause, 0);
-        }
+        put_cause(stream, report, result);
         fputc('\n', stream);
     }
     fputc('\n', stream);

@@ -37,17 +37,23 @@ static json_t *prediction_json(const sphv_prediction *prediction)
         number(prediction->total.bound), "rigour", sphv_rigour_name(prediction->rigour));
 }
 
+/// A cell of the table; `l2`, which is |total|/√2, and `rigour`, the same in all, are not repeated.
 static json_t *cell_json(const sphv_agreement_cell *cell)
 {
+    const sphv_prediction *exact = &cell->exact.analytic, *paper = &cell->paper;
     const sphv_measurement *empirical = &cell->exact.empirical;
     return json_pack(
-        "{s:o, s:i, s:o, s:{s:o, s:o, s:o, s:I}, s:o, s:s, s:o, s:s}", "h", number(cell->h), "n",
-        cell->n, "analytic", prediction_json(&cell->exact.analytic), "empirical", "total",
-        number(empirical->total.value), "l2", number(empirical->l2.value), "bound",
-        number(empirical->total.bound), "neighbours", (json_int_t)empirical->neighbours,
+        "{s:o, s:i, s:{s:o, s:o, s:o, s:o}, s:{s:o, s:o, s:I}, s:o, s:s, s:{s:o, s:o, s:o, s:o}, "
+        "s:s}",
+        "h", number(cell->h), "n", cell->n, "analytic", "smoothing", number(exact->smoothing.value),
+        "discretisation", number(exact->discretisation.value), "total", number(exact->total.value),
+        "bound", number(exact->total.bound), "empirical", "total", number(empirical->total.value),
+        "bound", number(empirical->total.bound), "neighbours", (json_int_t)empirical->neighbours,
         "difference", number(cell->exact.difference), "verdict",
-        sphv_verdict_name(cell->exact.verdict), "paper", prediction_json(&cell->paper),
-        "paper_verdict", sphv_verdict_name(cell->paper_verdict));
+        sphv_verdict_name(cell->exact.verdict), "paper", "smoothing",
+        number(paper->smoothing.value), "discretisation", number(paper->discretisation.value),
+        "total", number(paper->total.value), "bound", number(paper->total.bound), "paper_verdict",
+        sphv_verdict_name(cell->paper_verdict));
 }
 
 static json_t *agreement_json(const sphv_agreement *agreement)
