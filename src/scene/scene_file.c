@@ -115,7 +115,7 @@ static sphv_status read_abscissa(const struct sphv_scene_reader *of)
     if (file->points < 2 || file->points > POINTS_MAX)
         return sphv_yaml_fail(of->yaml, "abscissa.points", of->error, "%d points; allowed: 2 to %d",
                               file->points, POINTS_MAX);
-    int markers = file->markers ? *file->markers : 15;
+    int markers = file->markers ? *file->markers : file->points < 15 ? file->points : 15;
     if (markers < 0 || markers > file->points)
         return sphv_yaml_fail(of->yaml, "abscissa.markers", of->error,
                               "%d markers; allowed: 0 to the number of points", markers);
@@ -205,6 +205,30 @@ static sphv_status read_claim(const struct sphv_scene_reader *of, unsigned index
     return status;
 }
 
+/// Claims name curves, and reports name claims, by their ids: each id stands once.
+static sphv_status refuse_repeated(const struct sphv_scene_reader *of)
+{
+    const struct sphv_file_scene *file = of->file;
+    char place[64];
+    for (unsigned i = 0; i < file->curves_count; i++)
+        for (unsigned j = 0; j < i; j++)
+            if (strcmp(file->curves[i].id, file->curves[j].id) == 0) {
+                snprintf(place, sizeof place, "curves.%u.id", i);
+                return sphv_yaml_fail(of->yaml, place, of->error,
+                                      "curve '%s' again; allowed: each id once",
+                                      file->curves[i].id);
+            }
+    for (unsigned i = 0; i < file->claims_count; i++)
+        for (unsigned j = 0; j < i; j++)
+            if (strcmp(file->claims[i].id, file->claims[j].id) == 0) {
+                snprintf(place, sizeof place, "claims.%u.id", i);
+                return sphv_yaml_fail(of->yaml, place, of->error,
+                                      "claim '%s' again; allowed: each id once",
+                                      file->claims[i].id);
+            }
+    return SPHV_OK;
+}
+
 static sphv_status read_scene(const struct sphv_scene_reader *of)
 {
     const struct sphv_file_scene *file = of->file;
@@ -223,6 +247,7 @@ static sphv_status read_scene(const struct sphv_scene_reader *of)
     scene->claims = calloc(file->claims_count + 1, sizeof *scene->claims);
     if (!scene->curves || !scene->claims)
         return sphv_fail(of->error, SPHV_RESOURCE_FAILURE, "out of memory");
+    if (status == SPHV_OK) status = refuse_repeated(of);
     for (unsigned i = 0; status == SPHV_OK && i < file->curves_count; i++) {
         scene->curve_count = i + 1;
         status = sphv_scene_read_curve(of, i);

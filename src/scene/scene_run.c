@@ -99,6 +99,20 @@ static int by_x(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
+/// Where an even point falls on a special spacing, the special one stands for both.
+static size_t merge_equal(sphv_sample *samples, size_t count)
+{
+    size_t kept = 0;
+    for (size_t i = 0; i < count; i++) {
+        bool equal = kept > 0 && samples[i].x - samples[kept - 1].x <= 1e-14 * samples[i].x;
+        if (!equal)
+            samples[kept++] = samples[i];
+        else if (samples[i].marked)
+            samples[kept - 1] = samples[i];
+    }
+    return kept;
+}
+
 /// Lays out a curve's samples: the scene's points and, over spacing, every special spacing in
 /// range.
 static sphv_status lay_out(const sphv_scene *scene, const sphv_curve *curve, size_t *count,
@@ -136,9 +150,9 @@ static sphv_status lay_out(const sphv_scene *scene, const sphv_curve *curve, siz
         sample->h = curve->h;
         sample->marked = true;
     }
-    *count = scene->points + special;
+    qsort(samples, scene->points + special, sizeof *samples, by_x);
+    *count = merge_equal(samples, scene->points + special);
     *out = samples;
-    qsort(samples, *count, sizeof *samples, by_x);
     return SPHV_OK;
 }
 
