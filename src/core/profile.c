@@ -89,7 +89,7 @@ sphv_number sphv_profile_special_spacing(const sphv_profile *profile, int n)
     mpq_set_d(spacing, profile->support_exact.value);
     mpq_set_d(part, profile->support_exact.residual);
     mpq_add(spacing, spacing, part);
-    mpq_set_si(part, 2, (unsigned long)(2 * n + 1));
+    mpq_set_si(part, 2, 2 * (unsigned long)n + 1);
     mpq_canonicalize(part);
     mpq_mul(spacing, spacing, part);
     sphv_number number = sphv_rational_number(spacing);
@@ -266,7 +266,7 @@ static void exact_moments(sphv_profile *profile, const sphv_exact_pieces *pieces
             sphv_rational_power(part, pieces->outer[i], j + d);
             mpq_mul(part, part, jump[i]);
             mpq_mul(part, part, surface);
-            mpz_mul_ui(mpq_denref(part), mpq_denref(part), (unsigned long)(j + d));
+            mpz_mul_ui(mpq_denref(part), mpq_denref(part), (unsigned long)j + (unsigned long)d);
             mpq_canonicalize(part);
             mpq_sub(slope, slope, part);
         }
