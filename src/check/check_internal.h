@@ -69,6 +69,7 @@ sphv_status sphv_check_moments(sphv_examination *of, int dimension, sphv_error *
 sphv_status sphv_check_smoothing_order(sphv_examination *of, int dimension, sphv_error *error);
 sphv_status sphv_check_derivative(sphv_examination *of, int dimension, sphv_error *error);
 sphv_status sphv_check_truncation(sphv_examination *of, int dimension, sphv_error *error);
+sphv_status sphv_check_truncation_nd(sphv_examination *of, int dimension, sphv_error *error);
 sphv_status sphv_check_order(sphv_examination *of, int dimension, sphv_error *error);
 sphv_status sphv_check_fourier(sphv_examination *of, int dimension, sphv_error *error);
 sphv_status sphv_check_implementation(sphv_examination *of, int unused, sphv_error *error);

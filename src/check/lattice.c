@@ -137,7 +137,7 @@ static sphv_status truncation(sphv_examination *of, bool special, sphv_error *er
 
 sphv_status sphv_check_truncation(sphv_examination *of, int dimension, sphv_error *error)
 {
-    if (dimension != 1) return SPHV_OK; // the lattice theory is one-dimensional so far
+    if (dimension != 1) return sphv_check_truncation_nd(of, dimension, error);
     sphv_status status = truncation(of, true, error);
     return status == SPHV_OK ? truncation(of, false, error) : status;
 }

@@ -78,37 +78,69 @@ static void show(struct session *session, const sphv_check_report *report)
     }
 }
 
-/// Checks one kernel; a bad file is reported and the others are still checked.
-static void check_one(struct session *session, const char *name, bool first)
-{
+/// One kernel of several: what was asked for and what came of it.
+struct task {
+    const char *name;
+    sphv_status status;
     sphv_error error;
-    sphv_kernel *kernel = NULL;
     sphv_check_report report;
-    const char *directory = sphv_argument(session->arguments, "output");
+};
+
+static void check_one(const struct session *session, struct task *task)
+{
+    sphv_kernel *kernel = NULL;
     char *path = NULL;
-    sphv_status status = sphv_file_find(session->arguments->data_directory, "kernels", ".yaml",
-                                        "kernel", name, &path, &error);
-    if (status == SPHV_OK) status = sphv_kernel_load_any(path, &kernel, &error);
+    task->status = sphv_file_find(session->arguments->data_directory, "kernels", ".yaml", "kernel",
+                                  task->name, &path, &task->error);
+    if (task->status == SPHV_OK) task->status = sphv_kernel_load_any(path, &kernel, &task->error);
     free(path);
-    if (status == SPHV_OK) status = sphv_check_kernel(kernel, &session->options, &report, &error);
+    if (task->status == SPHV_OK)
+        task->status = sphv_check_kernel(kernel, &session->options, &task->report, &task->error);
     sphv_kernel_free(kernel);
-    if (status != SPHV_OK) {
-        worsen(session, sphv_report_failure(session->arguments, &error));
+}
+
+/// Shows and writes one answer; a bad file is one line on stderr.
+static void finish_one(struct session *session, struct task *task, bool first)
+{
+    const char *directory = sphv_argument(session->arguments, "output");
+    sphv_error error;
+    if (task->status != SPHV_OK) {
+        worsen(session, sphv_report_failure(session->arguments, &task->error));
         return;
     }
     if (!first && (session->arguments->format == SPHV_FORMAT_TEXT ||
                    session->arguments->format == SPHV_FORMAT_MARKDOWN))
         putchar('\n');
-    show(session, &report);
-    worsen(session, sphv_verdict_exit(report.verdict));
+    show(session, &task->report);
+    worsen(session, sphv_verdict_exit(task->report.verdict));
     if (directory) {
         char stem[96];
-        choose_stem(session, report.kernel, stem, sizeof stem);
-        status = write_one(&report, directory, stem, true, &error);
-        if (status == SPHV_OK) status = write_one(&report, directory, stem, false, &error);
+        choose_stem(session, task->report.kernel, stem, sizeof stem);
+        sphv_status status = write_one(&task->report, directory, stem, true, &error);
+        if (status == SPHV_OK) status = write_one(&task->report, directory, stem, false, &error);
         if (status != SPHV_OK) worsen(session, sphv_report_failure(session->arguments, &error));
     }
-    sphv_check_free(&report);
+    sphv_check_free(&task->report);
+}
+
+/// Checks kernels on all processors and answers in their order; the others are still checked when
+/// one file is bad.
+static void check_several(struct session *session, char *const *names, size_t count)
+{
+    struct task *tasks = calloc(count + 1, sizeof *tasks);
+    if (!tasks) {
+        sphv_error error;
+        (void)sphv_fail(&error, SPHV_RESOURCE_FAILURE, "out of memory");
+        worsen(session, sphv_report_failure(session->arguments, &error));
+        return;
+    }
+#pragma omp parallel for schedule(dynamic) if (count > 1)
+    for (size_t i = 0; i < count; i++) {
+        tasks[i].name = names[i];
+        check_one(session, &tasks[i]);
+    }
+    for (size_t i = 0; i < count; i++) finish_one(session, &tasks[i], i == 0);
+    free(tasks);
 }
 
 static void check_all(struct session *session)
@@ -120,7 +152,7 @@ static void check_all(struct session *session)
         worsen(session, sphv_report_failure(session->arguments, &error));
         return;
     }
-    for (size_t i = 0; i < files.count; i++) check_one(session, files.paths[i], i == 0);
+    check_several(session, files.paths, files.count);
     sphv_file_list_free(&files);
 }
 
@@ -201,9 +233,10 @@ static int run(const sphv_arguments *arguments)
     if (sphv_catalogue_load(arguments->data_directory, &session.reference, &error) == SPHV_OK)
         session.options.reference = &session.reference;
     session.answers = json_array();
-    for (int i = 0; i < arguments->operand_count; i++)
-        check_one(&session, arguments->operands[i], i == 0);
-    if (!arguments->operand_count) check_all(&session);
+    if (arguments->operand_count)
+        check_several(&session, arguments->operands, (size_t)arguments->operand_count);
+    else
+        check_all(&session);
     print_answers(&session);
     json_decref(session.answers);
     for (size_t i = 0; i < session.written_count; i++) free(session.written[i]);
