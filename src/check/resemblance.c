@@ -12,7 +12,8 @@ static int differing_coefficients(const sphv_kernel *kernel, const sphv_kernel *
 {
     const sphv_exact_pieces *a = &kernel->pieces, *b = &known->pieces;
     int different = 0;
-    if (!known->polynomial || a->count != b->count) return -1;
+    if (!known->polynomial || known->fourth_order != kernel->fourth_order || a->count != b->count)
+        return -1;
     for (int i = 0; i < a->count; i++) {
         if (!mpq_equal(a->outer[i], b->outer[i])) return -1;
         const sphv_polynomial *p = &a->polynomial[i], *r = &b->polynomial[i];
@@ -59,9 +60,42 @@ static int all_coefficients(const sphv_exact_pieces *pieces)
 }
 
 /// A known kernel that differs in few coefficients is what the author had in mind.
+/// Are the pieces the first ones of a known kernel that goes on further out?
+static bool cut_from(const sphv_kernel *kernel, const sphv_kernel *known)
+{
+    const sphv_exact_pieces *a = &kernel->pieces, *b = &known->pieces;
+    if (!known->polynomial || known->fourth_order != kernel->fourth_order || a->count > b->count ||
+        mpq_cmp(a->outer[a->count - 1], b->outer[b->count - 1]) >= 0)
+        return false;
+    for (int i = 0; i < a->count; i++) {
+        if (i + 1 < a->count && !mpq_equal(a->outer[i], b->outer[i])) return false;
+        const sphv_polynomial *p = &a->polynomial[i], *r = &b->polynomial[i];
+        for (int k = 0; k <= p->degree || k <= r->degree; k++)
+            if (k > p->degree   ? mpq_sgn(r->coefficient[k]) != 0
+                : k > r->degree ? mpq_sgn(p->coefficient[k]) != 0
+                                : !mpq_equal(p->coefficient[k], r->coefficient[k]))
+                return false;
+    }
+    return mpq_cmp(a->outer[a->count - 1], b->outer[a->count - 1]) <= 0;
+}
+
+static bool name_cut(const sphv_kernel *kernel, const sphv_catalogue *reference, char *text,
+                     size_t size)
+{
+    for (size_t i = 0; reference && i < reference->count; i++) {
+        const sphv_kernel *known = reference->kernels[i];
+        if (!cut_from(kernel, known)) continue;
+        snprintf(text, size, "this is %s truncated at q = %.10g, where it ends at q = %.10g",
+                 sphv_kernel_name(known), kernel->support.value, known->support.value);
+        return true;
+    }
+    return false;
+}
+
 void sphv_name_resemblance(const sphv_kernel *kernel, const sphv_catalogue *reference, char *text,
                            size_t size)
 {
+    if (name_cut(kernel, reference, text, size)) return;
     int fewest = 1000, piece = 0, power = 0;
     const sphv_kernel *nearest = NULL;
     bool rounded = false, single = false;

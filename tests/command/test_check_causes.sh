@@ -54,6 +54,8 @@ edited scaled 'the argument is scaled' \
     's|"1", "0", "-5/4", "0", "5/8", "0", "-5/32", "0", "5/256", "0", "-1/1024"|"1", "0", "-5", "0", "10", "0", "-10", "0", "5", "0", "-1"|' \
     "$kernels/quinlan-w10.yaml"
 edited truncated 'truncated at q = 1.5' 's|until: 2,|until: 1.5,|; s|^support: 2|support: 1.5|'
+edited cut-at-a-knot 'this is cubic-spline truncated at q = 1' \
+    '/until: 2/d; s|^support: 2|support: 1|'
 edited overstated 'the support is overstated: w is identically zero from q = 2 on' \
     's|^support: 2|support: 3|; s|^dimensions|  - {until: 3, coefficients: ["0"]}\n&|'
 edited clamped 'negative part clamped' 's|"2", "-4", "5/2", "-1/2"|"0"|' \
