@@ -29,7 +29,7 @@ extern const sphv_defect sphv_shape_defects[], sphv_claim_defects[], sphv_gradie
 
 /// A copy to spoil, with everything that a file says and nothing that is computed from it.
 /// \return NULL without memory
-sphv_kernel *sphv_defect_copy(const sphv_kernel *kernel);
+sphv_kernel *sphv_defect_copy(const sphv_kernel *from);
 
 /// Gives a kernel of pieces its right gradient, unless it has one.
 /// \return false when it has none to give

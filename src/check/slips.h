@@ -39,7 +39,7 @@ bool sphv_try_odd_part(struct sphv_search *search);
 bool sphv_try_truncation(struct sphv_search *search);
 
 /// Names the known kernel that a faulty one differs from in few coefficients, or by rounding.
-void sphv_name_resemblance(const sphv_kernel *kernel, const sphv_catalogue *known, char *text,
+void sphv_name_resemblance(const sphv_kernel *kernel, const sphv_catalogue *reference, char *text,
                            size_t size);
 
 #endif
