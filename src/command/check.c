@@ -208,18 +208,15 @@ static sphv_status read_options(struct session *session, sphv_error *error)
     return sphv_dimension_option(arguments, 0, &session->options.dimension, error);
 }
 
-static void print_answers(struct session *session)
+/// JSON: the object of the one kernel that was asked for, or a list of several.
+static void print_answers(const struct session *session)
 {
-    if (session->arguments->format == SPHV_FORMAT_JSON) {
-        // One kernel asked for: its object; several: a list.
-        if (session->arguments->operand_count == 1)
-            sphv_print_json(json_array_size(session->answers) ? json_array_get(session->answers, 0)
-                                                              : json_null());
-        else
-            sphv_print_json(session->answers);
-    } else if (session->arguments->format == SPHV_FORMAT_CSV) {
+    if (json_array_size(session->answers) == 0) return; // stderr has said why
+    if (session->arguments->format == SPHV_FORMAT_JSON)
+        sphv_print_json(session->arguments->operand_count == 1 ? json_array_get(session->answers, 0)
+                                                               : session->answers);
+    else if (session->arguments->format == SPHV_FORMAT_CSV)
         sphv_print_rows(SPHV_FORMAT_CSV, session->answers);
-    }
 }
 
 static int run(const sphv_arguments *arguments)
