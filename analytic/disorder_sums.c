@@ -143,13 +143,15 @@ double sphv_sums_error(sphv_method method, double K, sphv_phase phase, const dou
     return (estimate - exact) / K;
 }
 
-/// What the covariances of neighbouring summands need of one particle: expectations over its
-/// perturbation of z, z·y and z zᵀ, and mean and variance of its position y.
+/// What the covariances of neighbouring summands need of one particle: expectation of z over its
+/// perturbation, covariances of z with the position y and with itself, and mean and variance of y.
 struct expectations {
     double z[SPHV_SUMS_MAX], zy[SPHV_SUMS_MAX], zz[SPHV_SUMS_MAX][SPHV_SUMS_MAX];
     double position, variance;
 };
 
+/// Covariances are taken about the summand at the unperturbed place: E[zz] − E[z]E[z] itself would
+/// be lost in rounding when σ is small.
 static void expect(const sphv_experiment *of, double K, sphv_phase phase, double position,
                    double deviation, const double *nodes, const double *weights, int node_count,
                    struct expectations *out)
@@ -159,15 +161,23 @@ static void expect(const sphv_experiment *of, double K, sphv_phase phase, double
     out->position = position;
     out->variance = deviation * deviation;
     if (fabs(position) - of->profile->support > deviation * fabs(nodes[0])) return;
+    double middle[SPHV_SUMS_MAX] = {0}, shift[SPHV_SUMS_MAX] = {0};
+    if (fabs(position) < of->profile->support)
+        sphv_sums_summand(of->method, of->profile, K, phase, position, middle);
     for (int k = 0; k < node_count; k++) {
-        double z[SPHV_SUMS_MAX], y = position + deviation * nodes[k];
-        if (!(fabs(y) < of->profile->support)) continue;
-        sphv_sums_summand(of->method, of->profile, K, phase, y, z);
+        double z[SPHV_SUMS_MAX] = {0}, away = deviation * nodes[k], y = position + away;
+        if (fabs(y) < of->profile->support)
+            sphv_sums_summand(of->method, of->profile, K, phase, y, z);
         for (int i = 0; i < n; i++) {
-            out->z[i] += weights[k] * z[i];
-            out->zy[i] += weights[k] * z[i] * y;
+            z[i] -= middle[i];
+            shift[i] += weights[k] * z[i];
+            out->zy[i] += weights[k] * z[i] * away;
             for (int j = 0; j <= i; j++) out->zz[i][j] += weights[k] * z[i] * z[j];
         }
+    }
+    for (int i = 0; i < n; i++) {
+        out->z[i] = middle[i] + shift[i];
+        for (int j = 0; j <= i; j++) out->zz[i][j] -= shift[i] * shift[j];
     }
 }
 
@@ -176,9 +186,15 @@ static void add_lattice(int n, double spacing, const struct expectations *b, sph
 {
     for (int i = 0; i < n; i++) {
         out->mean[i] += spacing * b->z[i];
-        for (int j = 0; j <= i; j++)
-            out->covariance[i][j] += spacing * spacing * (b->zz[i][j] - b->z[i] * b->z[j]);
+        for (int j = 0; j <= i; j++) out->covariance[i][j] += spacing * spacing * b->zz[i][j];
     }
+}
+
+/// Cov[z_b,i (y_{b+2} − y_b), z_{b+1},j (y_{b+1} − y_{b−1})], two products of independent factors.
+static double next_covariance(const struct expectations *b, int i, double next_gap,
+                              const struct expectations *r, int j, double gap)
+{
+    return b->z[i] * next_gap * r->zy[j] - b->zy[i] * (r->z[j] * gap + r->zy[j]);
 }
 
 /// Volumes (y_{b+1} − y_{b−1})/2: summand b depends on three perturbations, so it is correlated
@@ -187,21 +203,15 @@ static void add_tessellated(int n, const struct expectations *b, sphv_sums *out)
 {
     const struct expectations *l = b - 1, *r = b + 1, *rr = b + 2;
     double gap = r->position - l->position, next_gap = rr->position - b->position;
-    double square = gap * gap + r->variance + l->variance;
+    double variance = r->variance + l->variance, square = gap * gap + variance;
     for (int i = 0; i < n; i++) {
         out->mean[i] += 0.5 * b->z[i] * gap;
         for (int j = 0; j <= i; j++) {
-            double own = b->zz[i][j] * square - b->z[i] * b->z[j] * gap * gap;
-            // E[z_b (y_{b+2} − y_b) z_{b+1} (y_{b+1} − y_{b−1})] less the product of the means.
-            double mean = gap * next_gap;
-            double next_ij =
-                (b->z[i] * rr->position - b->zy[i]) * (r->zy[j] - r->z[j] * l->position) -
-                b->z[i] * r->z[j] * mean;
-            double next_ji =
-                (b->z[j] * rr->position - b->zy[j]) * (r->zy[i] - r->z[i] * l->position) -
-                b->z[j] * r->z[i] * mean;
+            double own = b->zz[i][j] * square + b->z[i] * b->z[j] * variance;
+            double next = next_covariance(b, i, next_gap, r, j, gap) +
+                          next_covariance(b, j, next_gap, r, i, gap);
             double after = -r->variance * (b->z[i] * rr->z[j] + b->z[j] * rr->z[i]);
-            out->covariance[i][j] += 0.25 * (own + next_ij + next_ji + after);
+            out->covariance[i][j] += 0.25 * (own + next + after);
         }
     }
 }
