@@ -14,7 +14,7 @@ typedef enum occasion {
     ONCE,           ///< whatever the dimension
     EACH_SHAPE,     ///< once, or per dimension when w itself depends on it
     EACH_DIMENSION, ///< in every dimension examined
-    DECLARED,       ///< in every declared dimension, legal or not
+    DECLARED,       ///< in every dimension declared or claimed, legal or not
 } occasion;
 
 /// One check.
@@ -188,7 +188,7 @@ static double claimed_ratio(const sphv_kernel *kernel, int d)
 static bool examined(const sphv_examination *of, int d, occasion when)
 {
     if (of->options->dimension && of->options->dimension != d) return false;
-    if (when == DECLARED) return of->kernel->declared[d - 1];
+    if (when == DECLARED) return of->kernel->declared[d - 1] || of->kernel->claims.constant[d - 1];
     if (!sphv_kernel_profile(of->kernel, d)) return false;
     return when == EACH_DIMENSION || of->shape_varies || d == of->first_dimension;
 }

@@ -14,6 +14,12 @@ sphv_status sphv_check_dimension_legality(sphv_examination *of, int dimension, s
     const sphv_profile *profile = sphv_kernel_profile(kernel, dimension);
     sphv_check_result *result = sphv_check_add(of, "dimension", dimension, error);
     if (!result) return SPHV_RESOURCE_FAILURE;
+    if (!kernel->declared[dimension - 1]) {
+        sphv_check_claim(result, "C_%d = %s", dimension, kernel->claims.constant[dimension - 1]);
+        sphv_check_cause(result, "not checked: the file does not declare dimension %d", dimension);
+        result->informative = true;
+        return SPHV_OK;
+    }
     sphv_check_claim(result, "the kernel can be normalised in %dD (1 yes, 0 no)", dimension);
     result->claimed = 1;
     double positive = 0;
