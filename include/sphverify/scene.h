@@ -112,6 +112,10 @@ typedef struct sphv_claim_measure {
 /// The table, ended by a row without a name.
 extern const sphv_claim_measure sphv_claim_measures[];
 
+/// Measures a claim on both halves and compares both with what it expects. The claim need not be
+/// one of the scene's own; its curves are indices into the scene's.
+sphv_claim_result sphv_claim_judge(const sphv_scene_result *result, const sphv_claim *claim);
+
 /// Agreement of both forms with measurement over (h/λ, n) for one kernel.
 typedef struct sphv_agreement_cell {
     double h;

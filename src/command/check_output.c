@@ -6,44 +6,15 @@
 #include "command.h"
 #include "report/text.h"
 
-/// Text that need not be UTF-8 (a path) as a JSON string.
-static json_t *text_json(const char *text)
-{
-    json_t *string = json_string(text);
-    if (string) return string;
-    char clean[1200], one[5];
-    size_t used = 0;
-    while (used + 5 < sizeof clean && sphv_text_next(&text, one))
-        used += (size_t)snprintf(clean + used, sizeof clean - used, "%s", one);
-    clean[used] = '\0';
-    return json_string(clean);
-}
-
-static json_t *dimension_json(int dimension)
-{
-    return dimension ? json_integer(dimension) : json_null();
-}
-
-static json_t *result_json(const sphv_check_result *result)
-{
-    return json_pack(
-        "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:b, s:s, s:o}", "id", result->id, "dimension",
-        dimension_json(result->dimension), "claim", text_json(result->claim), "claimed",
-        sphv_json_number(result->claimed), "analytic", sphv_json_number(result->analytic),
-        "empirical", sphv_json_number(result->empirical), "bound", sphv_json_number(result->bound),
-        "informative", result->informative, "verdict", sphv_verdict_name(result->verdict), "cause",
-        *result->cause ? text_json(result->cause) : json_null());
-}
-
 json_t *sphv_check_json(const sphv_check_report *report)
 {
     json_t *checks = json_array();
     for (size_t i = 0; i < report->count; i++)
-        json_array_append_new(checks, result_json(&report->results[i]));
-    return json_pack("{s:o, s:o, s:o, s:s, s:o, s:o, s:o}", "kernel", text_json(report->kernel),
-                     "title", text_json(report->title), "path", text_json(report->path), "verdict",
-                     sphv_verdict_name(report->verdict), "cause",
-                     *report->cause ? text_json(report->cause) : json_null(), "seconds",
+        json_array_append_new(checks, sphv_check_result_json(&report->results[i]));
+    return json_pack("{s:o, s:o, s:o, s:s, s:o, s:o, s:o}", "kernel",
+                     sphv_json_text(report->kernel), "title", sphv_json_text(report->title), "path",
+                     sphv_json_text(report->path), "verdict", sphv_verdict_name(report->verdict),
+                     "cause", sphv_json_text_or_null(report->cause), "seconds",
                      sphv_json_number(report->seconds), "checks", checks);
 }
 
@@ -51,8 +22,8 @@ json_t *sphv_check_rows_json(const sphv_check_report *report)
 {
     json_t *rows = json_array();
     for (size_t i = 0; i < report->count; i++) {
-        json_t *row = json_pack("{s:o}", "kernel", text_json(report->kernel));
-        json_t *result = result_json(&report->results[i]);
+        json_t *row = json_pack("{s:o}", "kernel", sphv_json_text(report->kernel));
+        json_t *result = sphv_check_result_json(&report->results[i]);
         json_object_update(row, result);
         json_decref(result);
         json_array_append_new(rows, row);

@@ -6,6 +6,7 @@
 #include <jansson.h>
 #include <stdbool.h>
 
+#include "report/json_parts.h"
 #include "sphverify/compare.h"
 #include "sphverify/status.h"
 
@@ -71,9 +72,6 @@ void sphv_progress_bar(void *context, double done);
 /// Prints a list of objects (jansson keeps their keys' order): an aligned table, a JSON array, CSV,
 /// or a Markdown table. Nested objects become columns `outer.inner`; lists are joined by blanks.
 void sphv_print_rows(sphv_format format, const json_t *rows);
-
-/// A JSON number with null for what is not finite.
-json_t *sphv_json_number(double value);
 
 /// Prints JSON on stdout with 17 significant digits.
 void sphv_print_json(const json_t *value);

@@ -1,4 +1,3 @@
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -35,11 +34,6 @@ void sphv_progress_bar(void *context, double done)
     bar[40] = '\0';
     fprintf(stderr, "\r%s [%s] %3d %%", context ? (const char *)context : "", bar, percent);
     shown = percent;
-}
-
-json_t *sphv_json_number(double value)
-{
-    return isfinite(value) ? json_real(value) : json_null();
 }
 
 void sphv_print_json(const json_t *value)

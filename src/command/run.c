@@ -5,9 +5,9 @@
 
 #include "command.h"
 #include "core/directory.h"
+#include "report/scene_facts.h"
 #include "report/scene_json.h"
 #include "sphverify/report.h"
-
 
 static int worse(int a, int b)
 {
@@ -24,20 +24,40 @@ static void print_claim(const sphv_claim *claim, const sphv_claim_result *found)
     if (found->surprising && claim->refuted) printf("  %-12s  yet it holds here\n", "");
 }
 
+/// What was done for a curve of a statistical scene, its seed, and what failed.
+static void print_curve(const sphv_scene_result *result, size_t c)
+{
+    const sphv_curve *curve = &result->scene->curves[c];
+    sphv_curve_facts facts = sphv_curve_facts_collect(result, c);
+    printf("  %-12s  %s, %s", curve->id, facts.method, facts.layout);
+    if (isfinite(facts.sigma)) printf(", σ/Δx = %g", facts.sigma);
+    printf(", volumes %s", facts.volume);
+    if (facts.random) printf(", seed %llu", (unsigned long long)curve->experiment.seed);
+    if (facts.statistical) {
+        char faults[120];
+        sphv_faults_text(faults, sizeof faults, &facts.faults);
+        printf(", %d to %d realisations a point, without result: %s", facts.realisations_least,
+               facts.realisations_most, faults);
+    }
+    putchar('\n');
+}
+
 static void print_text(const sphv_scene_result *result)
 {
     const sphv_scene *scene = result->scene;
     printf("%s: %s\n%s\n\n", scene->name, scene->title, scene->source);
-    printf("  exact form    %zu points agree, %zu disagree, %zu inconclusive\n", result->agreeing,
-           result->disagreeing, result->inconclusive);
+    printf("  %-12s  %zu points agree, %zu disagree, %zu inconclusive\n",
+           scene->statistical ? "theory" : "exact form", result->agreeing, result->disagreeing,
+           result->inconclusive);
     if (result->paper_agreeing + result->paper_disagreeing + result->paper_inconclusive > 0)
         printf("  paper's form  %zu points agree, %zu disagree, %zu inconclusive\n",
                result->paper_agreeing, result->paper_disagreeing, result->paper_inconclusive);
+    if (scene->statistical)
+        for (size_t c = 0; c < scene->curve_count; c++) print_curve(result, c);
     putchar('\n');
     for (size_t i = 0; i < scene->claim_count; i++)
         print_claim(&scene->claims[i], &result->claims[i]);
-    printf("\n%s: %s (%.3f s)\n", scene->name, sphv_verdict_name(result->verdict),
-           result->seconds);
+    printf("\n%s: %s (%.3f s)\n", scene->name, sphv_verdict_name(result->verdict), result->seconds);
 }
 
 static sphv_status write_csv(const sphv_scene_result *result, const char *directory,
@@ -57,8 +77,11 @@ static sphv_status write_plot(const sphv_scene_result *result, const char *direc
 {
     char name[96], *svg = NULL;
     sphv_output_file file;
-    sphv_status status = sphv_plot_scene(result, &svg, error);
-    if (status != SPHV_OK) return status;
+    sphv_error reason;
+    sphv_status status = sphv_plot_scene(result, &svg, &reason);
+    if (status != SPHV_OK)
+        return sphv_fail(error, status, "%.600s; with --no-plot all but the SVG is written",
+                         reason.message);
     snprintf(name, sizeof name, "%.64s.svg", result->scene->name);
     status = sphv_output_open(directory, name, &file, error);
     if (status == SPHV_OK) {
@@ -77,8 +100,8 @@ static int run_scene(const sphv_arguments *arguments, const char *name, json_t *
     sphv_scene_result *result = NULL;
     sphv_error error;
     if (!directory) directory = ".";
-    sphv_status status = sphv_file_find(arguments->data_directory, "scenes", ".yaml", "scene", name,
-                                        &path, &error);
+    sphv_status status =
+        sphv_file_find(arguments->data_directory, "scenes", ".yaml", "scene", name, &path, &error);
     if (status == SPHV_OK)
         status = sphv_scene_load(arguments->data_directory, path, &scene, &error);
     if (status == SPHV_OK)
@@ -103,16 +126,16 @@ static json_t *claim_rows(const json_t *all)
 {
     json_t *rows = json_array(), *scene, *claim;
     size_t i, j;
-    json_array_foreach (all, i, scene)
-        json_array_foreach (json_object_get(scene, "claims"), j, claim) {
-            json_t *row = json_object();
-            static const char *const keys[] = {"id",       "statement", "measure",   "expected",
-                                               "tolerance", "analytic",  "empirical", "verdict"};
-            json_object_set(row, "scene", json_object_get(scene, "scene"));
-            for (size_t k = 0; k < sizeof keys / sizeof *keys; k++)
-                json_object_set(row, keys[k], json_object_get(claim, keys[k]));
-            json_array_append_new(rows, row);
-        }
+    json_array_foreach(all, i, scene) json_array_foreach(json_object_get(scene, "claims"), j, claim)
+    {
+        json_t *row = json_object();
+        static const char *const keys[] = {"id",        "statement", "measure",   "expected",
+                                           "tolerance", "analytic",  "empirical", "verdict"};
+        json_object_set(row, "scene", json_object_get(scene, "scene"));
+        for (size_t k = 0; k < sizeof keys / sizeof *keys; k++)
+            json_object_set(row, keys[k], json_object_get(claim, keys[k]));
+        json_array_append_new(rows, row);
+    }
     return rows;
 }
 

@@ -43,8 +43,11 @@ void sphv_html_row_begin(FILE *stream, const char *text)
 
 void sphv_html_tally_cells(FILE *stream, const size_t counts[3])
 {
+    size_t all = counts[SPHV_AGREES] + counts[SPHV_DISAGREES] + counts[SPHV_INCONCLUSIVE];
     for (int i = SPHV_AGREES; i <= SPHV_INCONCLUSIVE; i++) {
-        if (counts[i] && i != SPHV_AGREES)
+        if (!all)
+            fputs("<td>–", stream);
+        else if (counts[i] && i != SPHV_AGREES)
             fprintf(stream, "<td class=%s>%zu", sphv_verdict_name((sphv_verdict)i), counts[i]);
         else
             fprintf(stream, "<td>%zu", counts[i]);
@@ -138,19 +141,20 @@ static void put_verdicts(FILE *stream, const sphv_rendering *rendering)
         "Claims<br>as stated", rendering->report->checks ? "Checks<br>passed" : "Claims<br>hold"};
     fputs("<section id=verdicts><h2>Verdicts</h2>\n"
           "<p>Points at which theory and measurement agree, disagree, or at which the bounds are "
-          "too wide to tell. The verdict is that of the exact form, the claims and the checks; the "
-          "paper’s form is shown beside it and does not enter.</p>\n",
+          "too wide to tell. The verdict is that of theory (the exact form, or on disordered "
+          "particles the expected norm), the claims and the checks; the paper’s form is shown "
+          "beside it and does not enter.</p>\n",
           stream);
     for (int kind = 0; kind < 2; kind++) {
         fprintf(stream,
                 SPHV_HTML_SCROLL
                 "<table><thead><tr><th scope=col rowspan=2>%s"
-                "<th scope=col rowspan=2>Verdict<th scope=colgroup colspan=3>Exact form: points"
+                "<th scope=col rowspan=2>Verdict<th scope=colgroup colspan=3>%s: points"
                 "<th scope=colgroup colspan=3>Paper’s form: points<th scope=col rowspan=2>%s"
                 "<tr><th scope=col>agree<th scope=col>disagree<th scope=col>inconcl."
                 "<th scope=col>agree<th scope=col>disagree<th scope=col>inconcl.</thead>\n<tbody>"
                 "\n",
-                heads[kind], claims[kind]);
+                heads[kind], kind == 0 ? "Theory" : "Exact form", claims[kind]);
         (kind == 0 ? put_scene_rows : put_kernel_rows)(stream, rendering);
         sphv_html_table_end(stream);
     }
@@ -179,7 +183,8 @@ static void put_head(FILE *stream, const sphv_rendering *rendering)
           "page.</p></header>\n"
           "<nav aria-label=\"Contents\"><ul><li><a href=\"#verdicts\">Verdicts</a>"
           "<li><a href=\"#reading\">How to read it</a><li><a href=\"#slips\">Slips of the "
-          "paper</a><li><a href=\"#kernels\">Kernels</a><li><a href=\"#scenes\">Scenes</a>"
+          "paper</a><li><a href=\"#disorder\">Disorder</a><li><a "
+          "href=\"#kernels\">Kernels</a><li><a href=\"#scenes\">Scenes</a>"
           "</ul></nav>\n<main>\n",
           stream);
     if (rendering->plots_missing) {
@@ -211,6 +216,8 @@ void sphv_render_html(FILE *stream, const sphv_rendering *rendering)
         sphv_html_paragraphs(stream, *line, NULL);
     fputs("</section>\n<section id=slips><h2>Slips of the paper, in numbers</h2>\n", stream);
     sphv_html_slips(stream, &rendering->slips);
+    fputs("</section>\n<section id=disorder><h2>Disorder</h2>\n", stream);
+    sphv_html_disorder(stream, rendering);
     fputs("</section>\n<section id=kernels><h2>Kernels</h2>\n", stream);
     put_list(stream, rendering, true);
     for (size_t i = 0; i < rendering->report->kernel_count; i++)

@@ -25,7 +25,8 @@ void sphv_html_text_cell(FILE *stream, const char *text);
 /// The header of a row.
 void sphv_html_row_begin(FILE *stream, const char *text);
 
-/// Counts of agreeing, disagreeing and inconclusive points as three cells.
+/// Counts of agreeing, disagreeing and inconclusive points as three cells; a dash in each when
+/// there are no points.
 void sphv_html_tally_cells(FILE *stream, const size_t counts[3]);
 
 /// A table in a box of its own that scrolls sideways on a narrow screen.
@@ -44,6 +45,7 @@ void sphv_html_figure(FILE *stream, const sphv_rendering *rendering, const char 
 
 /// The sections.
 void sphv_html_slips(FILE *stream, const sphv_slips *slips);
+void sphv_html_disorder(FILE *stream, const sphv_rendering *rendering);
 void sphv_html_kernel(FILE *stream, const sphv_rendering *rendering, size_t index);
 void sphv_html_scene(FILE *stream, const sphv_rendering *rendering, size_t index);
 

@@ -73,41 +73,114 @@ static void put_claims(FILE *stream, const sphv_scene_result *result)
     sphv_html_table_end(stream);
 }
 
-static void put_curve_row(FILE *stream, const sphv_scene_result *result, size_t c)
+/// Heads of sphv_html_tally_cells.
+static const char tally_heads[] = "<th scope=col>agree<th scope=col>disagree<th scope=col>inconcl.";
+
+/// Curves of a scene on a lattice: both forms beside measurement.
+static void put_lattice_curves(FILE *stream, const sphv_scene_result *result)
 {
-    size_t exact[3] = {0, 0, 0}, paper[3] = {0, 0, 0};
-    double largest = 0, bound = 0;
-    for (size_t i = 0; i < result->sample_count[c]; i++) {
-        const sphv_sample *sample = &result->samples[c][i];
-        exact[sample->point.verdict]++;
-        if (sample->n >= 0) paper[sample->paper_verdict]++;
-        if (fabs(sample->point.difference) > largest) {
-            largest = fabs(sample->point.difference);
-            bound = sample->point.analytic.total.bound + sample->point.empirical.total.bound;
-        }
+    bool paper = sphv_scene_has_paper(result), over_q = result->scene->abscissa == SPHV_OVER_Q;
+    fprintf(stream,
+            "<h4>Agreement by curve</h4>\n" SPHV_HTML_SCROLL "<table><thead><tr>"
+            "<th scope=col rowspan=2>Curve<th scope=col rowspan=2>Kernel<th scope=colgroup "
+            "colspan=3>%s: points%s<th scope=col rowspan=2>Largest difference"
+            "<th scope=col rowspan=2>Its bound<tr>%s%s</thead>\n<tbody>\n",
+            over_q ? "Exact arithmetic" : "Exact form",
+            paper ? "<th scope=colgroup colspan=3>Paper’s form: points" : "", tally_heads,
+            paper ? tally_heads : "");
+    for (size_t c = 0; c < result->scene->curve_count; c++) {
+        sphv_curve_facts facts = sphv_curve_facts_collect(result, c);
+        sphv_html_row_begin(stream, result->scene->curves[c].label);
+        fputs("<td><code>", stream);
+        sphv_put_html(stream, sphv_kernel_name(result->scene->curves[c].kernel));
+        fputs("</code>", stream);
+        sphv_html_tally_cells(stream, facts.exact);
+        if (paper) sphv_html_tally_cells(stream, facts.paper);
+        sphv_html_number_cell(stream, facts.difference, 2);
+        sphv_html_number_cell(stream, facts.bound, 2);
+        fputc('\n', stream);
     }
-    sphv_html_row_begin(stream, result->scene->curves[c].label);
-    fputs("<td><code>", stream);
-    sphv_put_html(stream, sphv_kernel_name(result->scene->curves[c].kernel));
-    fputs("</code>", stream);
-    sphv_html_tally_cells(stream, exact);
-    sphv_html_tally_cells(stream, paper);
-    sphv_html_number_cell(stream, largest, 2);
-    sphv_html_number_cell(stream, bound, 2);
-    fputc('\n', stream);
+    sphv_html_table_end(stream);
 }
 
-static void put_curves(FILE *stream, const sphv_scene_result *result)
+static void put_experiment(FILE *stream, const sphv_curve *curve, const sphv_curve_facts *facts)
 {
-    fputs("<h4>Agreement by curve</h4>\n" SPHV_HTML_SCROLL "<table><thead><tr>"
-          "<th scope=col rowspan=2>Curve<th scope=col rowspan=2>Kernel<th scope=colgroup "
-          "colspan=3>Exact form: points<th scope=colgroup colspan=3>Paper’s form: points"
-          "<th scope=col rowspan=2>Largest difference<th scope=col rowspan=2>Its bound"
-          "<tr><th scope=col>agree<th scope=col>disagree<th scope=col>inconcl."
-          "<th scope=col>agree<th scope=col>disagree<th scope=col>inconcl.</thead>\n<tbody>\n",
-          stream);
-    for (size_t c = 0; c < result->scene->curve_count; c++) put_curve_row(stream, result, c);
+    sphv_html_row_begin(stream, curve->label);
+    fputs("<td><code>", stream);
+    sphv_put_html(stream, sphv_kernel_name(curve->kernel));
+    fprintf(stream, "</code><td>%s<td>%s<td>%s", facts->method, facts->layout, facts->volume);
+    sphv_html_number_cell(stream, facts->sigma, 6);
+    if (facts->random)
+        fprintf(stream, "<td>%llu", (unsigned long long)curve->experiment.seed);
+    else
+        fputs("<td>–", stream);
+    if (!facts->statistical)
+        fputs("<td>–", stream);
+    else if (facts->realisations_least == facts->realisations_most)
+        fprintf(stream, "<td>%d", facts->realisations_most);
+    else
+        fprintf(stream, "<td>%d–%d", facts->realisations_least, facts->realisations_most);
+}
+
+/// Curves of a statistical scene: what was done, how it agrees, and what failed.
+static void put_statistical_curves(FILE *stream, const sphv_scene_result *result)
+{
+    const sphv_scene *scene = result->scene;
+    static const char *const columns[] = {"Curve",
+                                          "Kernel",
+                                          "Method",
+                                          "Layout",
+                                          "Volumes",
+                                          "σ/Δx",
+                                          "Seed",
+                                          "Realisa&shy;tions a point",
+                                          "Points: agree / disagree / inconcl.",
+                                          "Largest relative difference",
+                                          "Estimates",
+                                          "Without result: singular / ill-cond. / not finite",
+                                          "Worst condition number",
+                                          NULL};
+    fputs("<h4>Agreement by curve</h4>\n", stream);
+    sphv_html_table_begin(stream, NULL, columns);
+    for (size_t c = 0; c < scene->curve_count; c++) {
+        sphv_curve_facts facts = sphv_curve_facts_collect(result, c);
+        put_experiment(stream, &scene->curves[c], &facts);
+        fprintf(stream, "<td%s>%zu / %zu / %zu",
+                facts.exact[SPHV_DISAGREES]      ? " class=d"
+                : facts.exact[SPHV_INCONCLUSIVE] ? " class=i"
+                                                 : "",
+                facts.exact[SPHV_AGREES], facts.exact[SPHV_DISAGREES],
+                facts.exact[SPHV_INCONCLUSIVE]);
+        sphv_html_number_cell(stream, 100 * facts.relative, 2);
+        if (isfinite(facts.relative)) fputs(" %", stream);
+        fprintf(stream, "<td>%ld<td>%ld / %ld / %ld", facts.faults.estimates, facts.faults.singular,
+                facts.faults.ill_conditioned, facts.faults.not_finite);
+        sphv_html_number_cell(stream, facts.faults.worst_condition, 3);
+        fputc('\n', stream);
+    }
     sphv_html_table_end(stream);
+    fputs("<p class=soft>Realisations are added until the 99.9 % interval of the mean is as narrow "
+          "as the scene asks. The difference is that of the expected norm from the measured one; "
+          "where it is large the particles left out, or the order that theory neglects, decide."
+          "</p>\n",
+          stream);
+}
+
+static const char *caption(const sphv_scene_result *result)
+{
+    if (result->scene->abscissa == SPHV_OVER_Q)
+        return "Points: exact arithmetic. Curves: the evaluation that the sums use.";
+    if (result->scene->statistical)
+        return "Curves: Monte-Carlo mean of the measured norm; its 99.9 % interval is no wider "
+               "than "
+               "the line where the points agree. Points: expected norm by theory; their bars: its "
+               "bound, where that exceeds a tenth of it.";
+    if (sphv_scene_has_paper(result))
+        return "Curves: measured. Filled points: the exact form. Hollow points: the paper’s form, "
+               "where it applies. Points that would touch are drawn only once; the tables count "
+               "them all.";
+    return "Curves: measured. Points: the exact form. Points that would touch are drawn only once; "
+           "the tables count them all.";
 }
 
 void sphv_html_scene(FILE *stream, const sphv_rendering *rendering, size_t index)
@@ -123,14 +196,9 @@ void sphv_html_scene(FILE *stream, const sphv_rendering *rendering, size_t index
     fputs(" <span class=soft>Source: ", stream);
     sphv_put_html(stream, scene->source);
     fputs("</span></p>\n", stream);
-    sphv_html_figure(stream, rendering, rendering->scene_plots[index],
-                     scene->abscissa == SPHV_OVER_Q
-                         ? "Points: exact arithmetic. Curves: the evaluation that the sums use."
-                         : "Curves: measured. Filled points: the exact form. Hollow points: the "
-                           "paper’s form, where it applies. Points that would touch are drawn "
-                           "only once; the tables count them all.");
+    sphv_html_figure(stream, rendering, rendering->scene_plots[index], caption(result));
     sphv_html_paragraphs(stream, scene->notes, "note");
     put_claims(stream, result);
-    put_curves(stream, result);
+    (scene->statistical ? put_statistical_curves : put_lattice_curves)(stream, result);
     fputs("</article>\n", stream);
 }

@@ -1,21 +1,21 @@
 #include <math.h>
 
-#include "rendering.h"
+#include "markdown.h"
 #include "text.h"
 
-static void number(FILE *stream, double value, int digits)
+void sphv_markdown_number(FILE *stream, double value, int digits)
 {
     char text[SPHV_NUMBER_TEXT];
     fputs(sphv_number_text(text, value, digits), stream);
 }
 
-static void cell(FILE *stream, double value, int digits)
+void sphv_markdown_number_cell(FILE *stream, double value, int digits)
 {
-    number(stream, value, digits);
+    sphv_markdown_number(stream, value, digits);
     fputs(" | ", stream);
 }
 
-static void text_cell(FILE *stream, const char *text)
+void sphv_markdown_text_cell(FILE *stream, const char *text)
 {
     sphv_put_markdown(stream, text);
     fputs(" | ", stream);
@@ -26,17 +26,20 @@ static void verdict_cell(FILE *stream, sphv_verdict verdict)
     fprintf(stream, "%s | ", sphv_verdict_name(verdict));
 }
 
-static void tally(FILE *stream, const size_t counts[3])
+void sphv_markdown_tally_cell(FILE *stream, const size_t counts[3])
 {
-    fprintf(stream, "%zu / %zu / %zu | ", counts[SPHV_AGREES], counts[SPHV_DISAGREES],
-            counts[SPHV_INCONCLUSIVE]);
+    if (counts[SPHV_AGREES] + counts[SPHV_DISAGREES] + counts[SPHV_INCONCLUSIVE] == 0)
+        fputs("– | ", stream);
+    else
+        fprintf(stream, "%zu / %zu / %zu | ", counts[SPHV_AGREES], counts[SPHV_DISAGREES],
+                counts[SPHV_INCONCLUSIVE]);
 }
 
 static void put_verdicts(FILE *stream, const sphv_rendering *rendering)
 {
     static const size_t none[3] = {0, 0, 0};
     fputs("## Verdicts\n\nPoints are counted as agree / disagree / inconclusive.\n\n"
-          "| Scene | Verdict | Exact form | Paper’s form | Claims as stated |\n"
+          "| Scene | Verdict | Theory | Paper’s form | Claims as stated |\n"
           "|---|---|---|---|---|\n",
           stream);
     for (size_t i = 0; i < rendering->report->scene_count; i++) {
@@ -44,10 +47,10 @@ static void put_verdicts(FILE *stream, const sphv_rendering *rendering)
         size_t exact[3], paper[3];
         sphv_scene_tallies(result, exact, paper);
         fputs("| ", stream);
-        text_cell(stream, result->scene->name);
+        sphv_markdown_text_cell(stream, result->scene->name);
         verdict_cell(stream, result->verdict);
-        tally(stream, exact);
-        tally(stream, paper);
+        sphv_markdown_tally_cell(stream, exact);
+        sphv_markdown_tally_cell(stream, paper);
         fprintf(stream, "%zu of %zu |\n", sphv_scene_expected_claims(result),
                 result->scene->claim_count);
     }
@@ -57,10 +60,10 @@ static void put_verdicts(FILE *stream, const sphv_rendering *rendering)
     for (size_t i = 0; i < rendering->report->kernel_count; i++) {
         const sphv_kernel_facts *facts = &rendering->facts[i];
         fputs("| ", stream);
-        text_cell(stream, sphv_kernel_name(facts->kernel));
+        sphv_markdown_text_cell(stream, sphv_kernel_name(facts->kernel));
         verdict_cell(stream, facts->verdict);
-        tally(stream, facts->agreement ? facts->agreement->exact : none);
-        tally(stream, facts->agreement ? facts->agreement->paper : none);
+        sphv_markdown_tally_cell(stream, facts->agreement ? facts->agreement->exact : none);
+        sphv_markdown_tally_cell(stream, facts->agreement ? facts->agreement->paper : none);
         if (facts->check)
             fprintf(stream, "%zu of %zu |\n", facts->checks_passed, facts->checks);
         else
@@ -79,12 +82,12 @@ static void put_sign_slip(FILE *stream, const sphv_slips *slips)
     for (int i = 0; i < SPHV_SIGN_ROWS; i++) {
         const sphv_sign_slip *row = &slips->sign[i];
         fprintf(stream, "| 4/%d | ", 2 * row->n + 1);
-        cell(stream, row->measured.value, 5);
-        cell(stream, row->measured.bound, 2);
-        cell(stream, row->mended.value, 5);
-        cell(stream, row->mended.bound, 2);
+        sphv_markdown_number_cell(stream, row->measured.value, 5);
+        sphv_markdown_number_cell(stream, row->measured.bound, 2);
+        sphv_markdown_number_cell(stream, row->mended.value, 5);
+        sphv_markdown_number_cell(stream, row->mended.bound, 2);
         verdict_cell(stream, row->mended_verdict);
-        cell(stream, row->printed.value, 5);
+        sphv_markdown_number_cell(stream, row->printed.value, 5);
         fprintf(stream, "%s |\n", sphv_verdict_name(row->printed_verdict));
     }
 }
@@ -95,7 +98,7 @@ static void put_knot_slip(FILE *stream, const sphv_slips *slips)
     fputs("\n### Interior knots\n\nTerms of the Euler–Maclaurin series of ", stream);
     sphv_put_markdown(stream, sphv_kernel_name(slips->knot_kernel));
     fprintf(stream, " at h/λ = %g, Δx/h = ", slip->h);
-    number(stream, slip->spacing, 4);
+    sphv_markdown_number(stream, slip->spacing, 4);
     fputs(".\n\n| knot |", stream);
     for (int i = 0; i < SPHV_KNOT_TERMS; i++) fprintf(stream, " p = %d |", slip->first_order + i);
     fputs("\n|---|", stream);
@@ -103,18 +106,19 @@ static void put_knot_slip(FILE *stream, const sphv_slips *slips)
     fputc('\n', stream);
     for (int k = 0; k < slip->knot_count; k++) {
         fprintf(stream, "| %s%g | ", slip->position[k] > 0 ? "±" : "", slip->position[k]);
-        for (int i = 0; i < SPHV_KNOT_TERMS; i++) cell(stream, slip->term[k][i], 4);
+        for (int i = 0; i < SPHV_KNOT_TERMS; i++)
+            sphv_markdown_number_cell(stream, slip->term[k][i], 4);
         fputc('\n', stream);
     }
     fputs("\n- measured discretisation error: ", stream);
-    number(stream, slip->measured.value, 7);
+    sphv_markdown_number(stream, slip->measured.value, 7);
     fputs("\n- exact form, all knots: ", stream);
-    number(stream, slip->exact.value, 7);
+    sphv_markdown_number(stream, slip->exact.value, 7);
     fprintf(stream, ", %s\n- paper’s form, edge only: ", sphv_verdict_name(slip->exact_verdict));
-    number(stream, slip->paper.value, 7);
+    sphv_markdown_number(stream, slip->paper.value, 7);
     fprintf(stream, ", %s\n- order at 4/(2n+1): %d by the edge alone, %d by all knots, measured ",
             sphv_verdict_name(slip->paper_verdict), slip->paper_order, slip->predicted_order);
-    number(stream, slip->fitted_order.value, 5);
+    sphv_markdown_number(stream, slip->fitted_order.value, 5);
     fputc('\n', stream);
 }
 
@@ -134,18 +138,18 @@ static void put_slips(FILE *stream, const sphv_slips *slips)
 static void put_claim(FILE *stream, const sphv_claim *claim, const sphv_claim_result *found)
 {
     fputs("| ", stream);
-    text_cell(stream, claim->statement);
-    text_cell(stream, claim->measure->name);
+    sphv_markdown_text_cell(stream, claim->statement);
+    sphv_markdown_text_cell(stream, claim->measure->name);
     verdict_cell(stream, found->verdict);
-    cell(stream, found->analytic, 6);
-    cell(stream, found->empirical, 6);
-    number(stream, claim->expected, 6);
+    sphv_markdown_number_cell(stream, found->analytic, 6);
+    sphv_markdown_number_cell(stream, found->empirical, 6);
+    sphv_markdown_number(stream, claim->expected, 6);
     if (claim->tolerance > 0) {
         fputs(" ± ", stream);
-        number(stream, claim->tolerance, 2);
+        sphv_markdown_number(stream, claim->tolerance, 2);
     }
     fputs(" | ", stream);
-    text_cell(stream, claim->reason);
+    sphv_markdown_text_cell(stream, claim->reason);
     if (found->surprising) fputs("**not as expected** ", stream);
     if (claim->refuted) {
         fputs("known not to hold: ", stream);
@@ -168,12 +172,14 @@ static void put_scene(FILE *stream, const sphv_scene_result *result)
         sphv_put_markdown(stream, scene->notes);
         fputs("\n\n", stream);
     }
-    if (!scene->claim_count) return;
-    fputs("| Claim | Measure | Verdict | Theory | Measured | Expected | Reason of the tolerance | "
-          "Remark |\n|---|---|---|---|---|---|---|---|\n",
-          stream);
+    if (scene->claim_count)
+        fputs("| Claim | Measure | Verdict | Theory | Measured | Expected | Reason of the "
+              "tolerance | "
+              "Remark |\n|---|---|---|---|---|---|---|---|\n",
+              stream);
     for (size_t i = 0; i < scene->claim_count; i++)
         put_claim(stream, &scene->claims[i], &result->claims[i]);
+    if (scene->statistical) sphv_markdown_curves(stream, result);
 }
 
 static void put_constants(FILE *stream, const sphv_kernel_facts *facts)
@@ -185,18 +191,19 @@ static void put_constants(FILE *stream, const sphv_kernel_facts *facts)
         const sphv_dimension_facts *of = &facts->dimension[d - 1];
         if (!of->profile) {
             fprintf(stream, "| %dD | refused: ", d);
-            text_cell(stream, sphv_kernel_refusal(facts->kernel, d));
+            sphv_markdown_text_cell(stream, sphv_kernel_refusal(facts->kernel, d));
             fputs("– | – | – | – | – | – |\n", stream);
             continue;
         }
         fprintf(stream, "| %dD | ", d);
-        cell(stream, of->profile->constant.value, 16);
-        text_cell(stream, *of->constant ? of->constant : "–");
-        text_cell(stream, of->claim ? of->claim : "none");
-        text_cell(stream, of->claim ? sphv_verdict_name(of->claim_verdict) : "–");
-        cell(stream, of->profile->moment[2].value, 10);
-        cell(stream, of->profile->moment[4].value, 10);
-        cell(stream, of->fourier.negative ? of->fourier.first_negative : NAN, 5);
+        sphv_markdown_number_cell(stream, of->profile->constant.value, 16);
+        sphv_markdown_text_cell(stream, *of->constant ? of->constant : "–");
+        sphv_markdown_text_cell(stream, of->claim ? of->claim : "none");
+        sphv_markdown_text_cell(stream, of->claim ? sphv_verdict_name(of->claim_verdict) : "–");
+        sphv_markdown_number_cell(stream, of->profile->moment[2].value, 10);
+        sphv_markdown_number_cell(stream, of->profile->moment[4].value, 10);
+        sphv_markdown_number_cell(stream, of->fourier.negative ? of->fourier.first_negative : NAN,
+                                  5);
         fputc('\n', stream);
     }
 }
@@ -222,10 +229,10 @@ static void put_agreement(FILE *stream, const sphv_agreement *agreement)
             }
         }
         fprintf(stream, "| %g | ", row->h);
-        tally(stream, exact);
-        cell(stream, largest, 2);
-        cell(stream, bound, 2);
-        tally(stream, paper);
+        sphv_markdown_tally_cell(stream, exact);
+        sphv_markdown_number_cell(stream, largest, 2);
+        sphv_markdown_number_cell(stream, bound, 2);
+        sphv_markdown_tally_cell(stream, paper);
         fputc('\n', stream);
     }
 }
@@ -242,9 +249,9 @@ static void put_checks(FILE *stream, const sphv_kernel_facts *facts)
         fputs(", ", stream);
         sphv_put_markdown(stream, result->claim);
         fputs(", worked out ", stream);
-        number(stream, result->analytic, 10);
+        sphv_markdown_number(stream, result->analytic, 10);
         fputs(", measured ", stream);
-        number(stream, result->empirical, 10);
+        sphv_markdown_number(stream, result->empirical, 10);
         fputs(", ", stream);
         sphv_put_markdown(stream, result->cause);
         fputc('\n', stream);
@@ -260,7 +267,7 @@ static void put_kernel(FILE *stream, const sphv_kernel_facts *facts)
     fputs(". Source: ", stream);
     sphv_put_markdown(stream, sphv_kernel_source(facts->kernel));
     fprintf(stream, ". Verdict: **%s**. κ = ", sphv_verdict_name(facts->verdict));
-    number(stream, facts->profile->support, 10);
+    sphv_markdown_number(stream, facts->profile->support, 10);
     fprintf(stream, ", β = %d", facts->profile->boundary_smoothness);
     if (facts->claimed_smoothness)
         fprintf(stream, " (%d claimed: %s)", *facts->claimed_smoothness,
@@ -296,6 +303,7 @@ void sphv_render_markdown(FILE *stream, const sphv_rendering *rendering)
         fputc('\n', stream);
     }
     put_slips(stream, &rendering->slips);
+    sphv_markdown_disorder(stream, rendering);
     fputs("\n## Kernels\n", stream);
     for (size_t i = 0; i < report->kernel_count; i++) put_kernel(stream, &rendering->facts[i]);
     fputs("\n## Scenes\n", stream);

@@ -4,10 +4,20 @@
 #include "plot.h"
 #include "text.h"
 
-enum { WIDTH = 600, PLOT_HEIGHT = 470, LINE_HEIGHT = 25, LABEL_MAX = 52, TWO_COLUMNS = 22 };
+enum {
+    BARS_MAX = 32,
+    WIDTH = 600,
+    PLOT_HEIGHT = 470,
+    LINE_HEIGHT = 25,
+    LABEL_MAX = 52,
+    TWO_COLUMNS = 22
+};
 
 /// Points nearer than this, in units of the axis, would run into one blot.
 static const double clear_of_last = 0.03;
+
+/// Bounds below this part of the value are not drawn.
+static const double narrowest_bar = 0.1;
 
 /// What is drawn upwards at a sample: the norm of the error, or Ŵ itself over q.
 static double height_of(const sphv_scene *scene, const sphv_prediction *prediction)
@@ -62,6 +72,28 @@ static size_t write_points(FILE *script, const sphv_scene_result *result, size_t
     return written;
 }
 
+/// The theory's bound as a vertical bar, where it is wide enough to be told from the point. As
+/// lines, since gnuplot blanks what lies under its error bars.
+/// \return number of bars written
+static size_t write_bars(FILE *script, const sphv_scene_result *result, size_t curve)
+{
+    size_t written = 0;
+    fprintf(script, "$bars%zu << END\n", curve);
+    for (size_t i = 0; i < result->sample_count[curve]; i++) {
+        const sphv_sample *sample = &result->samples[curve][i];
+        sphv_result l2 = sample->point.analytic.l2;
+        if (!sample->marked || !drawable(result->scene, sample->x, l2.value)) continue;
+        if (!isfinite(l2.bound) || l2.bound < narrowest_bar * l2.value) continue;
+        // Down to zero has no place on a logarithmic axis: to a tenth of the value.
+        fprintf(script, "%.12g %.12g\n%.12g %.12g\n\n", sample->x,
+                fmax(l2.value - l2.bound, l2.value / 10), sample->x,
+                fmin(l2.value + l2.bound, 10 * l2.value));
+        written++;
+    }
+    fputs("END\n", script);
+    return written;
+}
+
 static void write_axes(FILE *script, const sphv_scene_result *result)
 {
     const sphv_scene *scene = result->scene;
@@ -70,7 +102,7 @@ static void write_axes(FILE *script, const sphv_scene_result *result)
         [SPHV_OVER_H] = "h/λ, smoothing length in wavelengths",
         [SPHV_OVER_SPACING] = "Δx/h, particle spacing in smoothing lengths",
     };
-    fprintf(script, "set xlabel '%s' offset 0,0.4 noenhanced\n", labels[scene->abscissa]);
+    fprintf(script, "set xlabel '%s' offset 0,0.6 noenhanced\n", labels[scene->abscissa]);
     if (scene->logarithmic)
         sphv_plot_log_axis(script, 'x', scene->from, scene->to);
     else
@@ -79,9 +111,10 @@ static void write_axes(FILE *script, const sphv_scene_result *result)
         fputs("set ylabel 'Ŵ = h W' noenhanced\n", script);
         return;
     }
-    fputs("set ylabel 'L₂ norm of the error, |E|/√2' noenhanced\n"
-          "set logscale y\nset format y '10^{%T}'\n",
-          script);
+    fprintf(script,
+            "set ylabel 'L₂ norm of the error%s' noenhanced\n"
+            "set logscale y\nset format y '10^{%%T}'\n",
+            scene->statistical ? "" : ", |E|/√2");
 }
 
 /// The legend stands below the plot and so covers nothing.
@@ -97,11 +130,13 @@ static void write_legend(FILE *script, const sphv_scene_result *result, bool exa
         sphv_put_gnuplot(script, scene->curves[c].label, LABEL_MAX);
         fputs(" noenhanced", script);
     }
-    fputs(", keyentry with lines linecolor rgb 'black' linewidth 2 title 'empirical'", script);
+    fprintf(script, ", keyentry with lines linecolor rgb 'black' linewidth 2 title '%s'",
+            scene->statistical ? "measured mean" : "empirical");
     if (exact)
-        fputs(", keyentry with points linecolor rgb 'black' pointtype 7 pointsize 0.6 "
-              "title 'analytic'",
-              script);
+        fprintf(script,
+                ", keyentry with points linecolor rgb 'black' pointtype 7 pointsize 0.6 "
+                "title '%s'",
+                scene->statistical ? "expected by theory" : "analytic");
     if (paper)
         fputs(", keyentry with points linecolor rgb 'black' pointtype 6 pointsize 1.05 "
               "title 'paper’s form'",
@@ -118,19 +153,23 @@ static int legend_columns(const sphv_scene *scene)
 static void write_plot(FILE *script, const sphv_scene_result *result)
 {
     const sphv_scene *scene = result->scene;
-    bool exact = false, paper = false;
+    bool exact = false, paper = false, bars[BARS_MAX] = {false};
     for (size_t c = 0; c < scene->curve_count; c++) {
         write_curve(script, result, c);
         if (write_points(script, result, c, false)) exact = true;
         if (scene->abscissa != SPHV_OVER_Q && write_points(script, result, c, true)) paper = true;
+        if (scene->statistical && c < BARS_MAX) bars[c] = write_bars(script, result, c) > 0;
     }
     write_axes(script, result);
-    fprintf(script, "set key maxcols %d width -2\nplot ", legend_columns(scene));
+    fprintf(script, "set key maxcols %d width -2 font ',15'\nplot ", legend_columns(scene));
     for (size_t c = 0; c < scene->curve_count; c++) {
         const sphv_plot_style *style = sphv_plot_style_of(c);
         fprintf(script,
                 "%s$measured%zu with lines linecolor rgb '%s' dashtype %s linewidth 2 notitle",
                 c ? ", " : "", c, style->colour, style->dash);
+        if (c < BARS_MAX && bars[c])
+            fprintf(script, ", $bars%zu with lines linecolor rgb '%s' linewidth 1 notitle", c,
+                    style->colour);
         fprintf(script,
                 ", $exact%zu with points linecolor rgb '%s' pointtype %d pointsize 0.6 notitle", c,
                 style->colour, style->filled);

@@ -4,12 +4,17 @@
 #define SPHVERIFY_REPORT_RENDERING_H
 
 #include "facts.h"
+#include "scene_facts.h"
 #include "slips.h"
+#include "volume_rules.h"
 
 typedef struct sphv_rendering {
     const sphv_report *report;
     sphv_kernel_facts *facts; ///< per kernel
     sphv_slips slips;
+    sphv_rule_comparison rules;
+    size_t method_count;
+    sphv_method_facts *methods;         ///< the methods that the scenes use
     char **kernel_plots, **scene_plots; ///< SVG, NULL where there is none
     bool plots_missing;
     sphv_error plot_error; ///< why, where plots are missing

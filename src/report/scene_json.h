@@ -5,9 +5,13 @@
 
 #include <jansson.h>
 
-#include "sphverify/scene.h"
+#include "scene_facts.h"
 
-/// The scene, its tallies and its claims; null for numbers that do not exist. The caller owns it.
+/// Estimates and failures; null in all when there are none to speak of.
+json_t *sphv_faults_json(bool there, const sphv_faults *faults);
+
+/// The scene, its tallies, its claims, and its curves without their samples; null for numbers that
+/// do not exist. The caller owns it.
 json_t *sphv_scene_json(const sphv_scene_result *result);
 
 #endif

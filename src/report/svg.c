@@ -161,7 +161,8 @@ static bool view_box(const char *tag, const char *end, double box[4])
 }
 
 /// Where an element ends that is of no use here, or NULL: gnuplot's own titles, which would show as
-/// tooltips, its filters, groups without content, spans that only prepare for what does not follow.
+/// tooltips, its filters, the empty background, groups without content, spans that only prepare for
+/// what does not follow.
 static const char *after_useless(const char *tag)
 {
     static const char *const dropped[][2] = {
@@ -171,8 +172,13 @@ static const char *after_useless(const char *tag)
             const char *after = strstr(tag, dropped[i][1]);
             return after ? after + strlen(dropped[i][1]) : NULL;
         }
-    const char *end = starts(tag, "<g ") || starts(tag, "<tspan ") ? strchr(tag, '>') : NULL;
+    const char *end = strchr(tag, '>');
     if (!end) return NULL;
+    static const char empty[] = " fill=\"none\"/";
+    if (starts(tag, "<rect ") && end - tag > (long)sizeof empty &&
+        starts(end - (sizeof empty - 1), empty))
+        return end + 1;
+    if (!starts(tag, "<g ") && !starts(tag, "<tspan ")) return NULL;
     end += 1 + strspn(end + 1, blanks);
     if (starts(tag, "<g ")) return starts(end, "</g>") ? end + 4 : NULL;
     return starts(end, "</tspan></text>") ? end + 8 : NULL;

@@ -5,9 +5,6 @@
 
 #include "sphverify/scene.h"
 
-/// Measures a claim on both halves and compares both with what it expects.
-sphv_claim_result sphv_claim_judge(const sphv_scene_result *result, const sphv_claim *claim);
-
 /// n when Δs = 2κ/(2n+1) to rounding, else −1.
 long sphv_special_n(const sphv_profile *profile, sphv_number spacing);
 

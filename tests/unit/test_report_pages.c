@@ -491,7 +491,7 @@ static void without_gnuplot_the_tables_remain(void **state)
     assert_true(pages.plots_missing);
     assert_null(strstr(pages.html, "<svg"));
     assert_non_null(strstr(pages.html, "Plots are missing: gnuplot cannot be run"));
-    assert_non_null(strstr(pages.html, "All numbers of these grids"));
+    assert_non_null(strstr(pages.html, "Numbers of these grids"));
     assert_non_null(strstr(pages.markdown, "## Verdicts"));
     pages_free(&pages, &stage);
     folder_remove(empty);

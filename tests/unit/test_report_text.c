@@ -133,7 +133,8 @@ static void a_picture_is_made_fit_for_a_page(void **state)
     // words, a line with a point on the way that it does not need and one that it does.
     static const char document[] =
         "<?xml version=\"1.0\"?>\n<svg \n viewBox=\"0 0 600 400\"\n xmlns=\"x\">\n"
-        "<title>Gnuplot</title><desc>by</desc><defs><path id='gpPt0' stroke='black' d='M0,0\n\t"
+        "<title>Gnuplot</title><desc>by</desc><rect x=\"0\" width=\"9\" fill=\"none\"/><defs><path "
+        "id='gpPt0' stroke='black' d='M0,0\n\t"
         "L1.125,1'/><rect id='gpPt1' x='1'/></defs><g fill=\"none\"> \n</g><g id=\"plot\" ><g "
         "color=\"black\" fill=\"none\" stroke=\"currentColor\" stroke-width=\"2.00\"><path "
         "stroke='rgb(  0, 114, 178)' d='M10.00,20.00 L15.00,20.04 L20.00,20.00\n\t L20.00,30.26 "

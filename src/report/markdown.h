@@ -1,0 +1,22 @@
+/// \file markdown.h
+/// Parts of the Markdown report.
+#ifndef SPHVERIFY_REPORT_MARKDOWN_H
+#define SPHVERIFY_REPORT_MARKDOWN_H
+
+#include "rendering.h"
+
+/// A number for people. \param digits significant ones
+void sphv_markdown_number(FILE *stream, double value, int digits);
+
+/// A number, data from outside, counts of points: each with the end of its cell.
+void sphv_markdown_number_cell(FILE *stream, double value, int digits);
+void sphv_markdown_text_cell(FILE *stream, const char *text);
+void sphv_markdown_tally_cell(FILE *stream, const size_t counts[3]);
+
+/// Volume rules side by side, and failures by method.
+void sphv_markdown_disorder(FILE *stream, const sphv_rendering *rendering);
+
+/// The curves of a statistical scene.
+void sphv_markdown_curves(FILE *stream, const sphv_scene_result *result);
+
+#endif
