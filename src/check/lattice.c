@@ -225,17 +225,20 @@ sphv_status sphv_check_order(sphv_examination *of, int dimension, sphv_error *er
                      "over n = %d to %d",
                      profile->knot_count ? profile->knots[deciding].position.value : 0,
                      best.coarsest, best.finest);
-    if (any) {
+    if (any && bias < 0.5) {
         sphv_check_numbers(result, order, best.measured.value, bias + best.measured.bound);
-        if (bias < 0.5) return SPHV_OK;
-        sphv_check_cause(result, "rounding ends the fit before the leading term rules");
-    } else {
-        sphv_check_cause(result, "not measured: %s",
-                         step ? "the discretisation error is below rounding at every spacing"
-                              : "no spacings put all knots at equal fractions of a cell");
+        return SPHV_OK;
     }
+    if (any && !(fabs(best.predicted - best.measured.value) <= best.measured.bound)) {
+        // Too coarse for the order, but even there the exact series must fit as the sums do.
+        sphv_check_numbers(result, best.predicted, best.measured.value, best.measured.bound);
+        return SPHV_OK;
+    }
+    sphv_check_cause(result, "not measured: %s",
+                     any    ? "rounding ends the fit before the leading term rules"
+                     : step ? "the discretisation error is below rounding at every spacing"
+                            : "no spacings put all knots at equal fractions of a cell");
     result->analytic = order;
     result->informative = true;
-    result->verdict = SPHV_AGREES;
     return SPHV_OK;
 }
