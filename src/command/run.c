@@ -34,10 +34,10 @@ static void print_curve(const sphv_scene_result *result, size_t c)
     printf(", volumes %s", facts.volume);
     if (facts.random) printf(", seed %llu", (unsigned long long)curve->experiment.seed);
     if (facts.statistical) {
-        char faults[120];
+        char faults[120], realisations[SPHV_REALISATIONS_TEXT];
         sphv_faults_text(faults, sizeof faults, &facts.faults);
-        printf(", %d to %d realisations a point, without result: %s", facts.realisations_least,
-               facts.realisations_most, faults);
+        printf(", %s realisations a point, without result: %s",
+               sphv_realisations_text(realisations, &facts), faults);
     }
     putchar('\n');
 }

@@ -3,11 +3,14 @@
 #include "html.h"
 #include "text.h"
 
-static void put_found(FILE *stream, const sphv_claim_result *found)
+static void put_found(FILE *stream, int rule, const sphv_claim_result *found)
 {
-    sphv_html_number_cell(stream, found->analytic, 3);
-    sphv_html_number_cell(stream, found->empirical, 3);
-    sphv_html_verdict_cell(stream, found->verdict);
+    fprintf(stream, "<td data-head=\"With %s\">", sphv_rule_name[rule]);
+    sphv_html_number(stream, found->analytic, 3);
+    fputs(" / ", stream);
+    sphv_html_number(stream, found->empirical, 3);
+    fputs("<td>", stream);
+    sphv_html_verdict(stream, found->verdict);
 }
 
 static void put_scene_link(FILE *stream, const sphv_rendering *rendering, const sphv_scene *scene)
@@ -34,14 +37,15 @@ static void put_rules(FILE *stream, const sphv_rendering *rendering)
     fputs(
         "<p>Each claim is judged with the volumes (x<sub>b+1</sub> − x<sub>b−1</sub>)/2 and with "
         "the volumes Δx, all else equal; the tolerance is that of its scene.</p>\n" SPHV_HTML_SCROLL
-        "<table><thead><tr><th scope=col rowspan=2>Scene<th scope=col rowspan=2 class=t>Claim"
+        "<table class=stacked><thead><tr><th scope=col rowspan=2>Scene<th scope=col rowspan=2 "
+        "class=t>Claim"
         "<th scope=col rowspan=2>Claimed",
         stream);
     for (int rule = 0; rule < SPHV_RULES; rule++)
-        fprintf(stream, "<th scope=colgroup colspan=3>With %s", sphv_rule_name[rule]);
+        fprintf(stream, "<th scope=colgroup colspan=2>With %s", sphv_rule_name[rule]);
     fputs("<tr>", stream);
     for (int rule = 0; rule < SPHV_RULES; rule++)
-        fputs("<th scope=col>theory<th scope=col>measured<th scope=col>verdict", stream);
+        fputs("<th scope=col>theory / measured<th scope=col>verdict", stream);
     fputs("</thead>\n<tbody>\n", stream);
     for (size_t i = 0; i < rules->count; i++) {
         const sphv_rule_row *row = &rules->rows[i];
@@ -53,10 +57,11 @@ static void put_rules(FILE *stream, const sphv_rendering *rendering)
         fputs(", ", stream);
         sphv_put_html(stream, row->scene->curves[row->claim->curve].label);
         fputs("</span>", stream);
-        sphv_html_number_cell(stream, row->claim->expected, 3);
+        fputs("<td data-head=Claimed>", stream);
+        sphv_html_number(stream, row->claim->expected, 3);
         fputs(" ± ", stream);
         sphv_html_number(stream, row->claim->tolerance, 2);
-        for (int rule = 0; rule < SPHV_RULES; rule++) put_found(stream, &row->found[rule]);
+        for (int rule = 0; rule < SPHV_RULES; rule++) put_found(stream, rule, &row->found[rule]);
         fputc('\n', stream);
     }
     sphv_html_table_end(stream);

@@ -114,12 +114,8 @@ static void put_experiment(FILE *stream, const sphv_curve *curve, const sphv_cur
         fprintf(stream, "<td>%llu", (unsigned long long)curve->experiment.seed);
     else
         fputs("<td>–", stream);
-    if (!facts->statistical)
-        fputs("<td>–", stream);
-    else if (facts->realisations_least == facts->realisations_most)
-        fprintf(stream, "<td>%d", facts->realisations_most);
-    else
-        fprintf(stream, "<td>%d–%d", facts->realisations_least, facts->realisations_most);
+    char realisations[SPHV_REALISATIONS_TEXT];
+    fprintf(stream, "<td>%s", sphv_realisations_text(realisations, facts));
 }
 
 /// Curves of a statistical scene: what was done, how it agrees, and what failed.
@@ -137,8 +133,8 @@ static void put_statistical_curves(FILE *stream, const sphv_scene_result *result
                                           "Points: agree / disagree / inconcl.",
                                           "Largest relative difference",
                                           "Estimates",
-                                          "Without result: singular / ill-cond. / not finite",
-                                          "Worst condition number",
+                                          "Without result: singu&shy;lar / ill-cond. / not finite",
+                                          "Worst condi&shy;tion number",
                                           NULL};
     fputs("<h4>Agreement by curve</h4>\n", stream);
     sphv_html_table_begin(stream, NULL, columns);

@@ -59,16 +59,6 @@ void sphv_markdown_disorder(FILE *stream, const sphv_rendering *rendering)
     }
 }
 
-static void put_realisations(FILE *stream, const sphv_curve_facts *facts)
-{
-    if (!facts->statistical)
-        fputs("– | ", stream);
-    else if (facts->realisations_least == facts->realisations_most)
-        fprintf(stream, "%d | ", facts->realisations_most);
-    else
-        fprintf(stream, "%d–%d | ", facts->realisations_least, facts->realisations_most);
-}
-
 void sphv_markdown_curves(FILE *stream, const sphv_scene_result *result)
 {
     const sphv_scene *scene = result->scene;
@@ -79,6 +69,7 @@ void sphv_markdown_curves(FILE *stream, const sphv_scene_result *result)
         stream);
     for (size_t c = 0; c < scene->curve_count; c++) {
         sphv_curve_facts facts = sphv_curve_facts_collect(result, c);
+        char realisations[SPHV_REALISATIONS_TEXT];
         fputs("| ", stream);
         sphv_markdown_text_cell(stream, scene->curves[c].label);
         sphv_markdown_text_cell(stream, sphv_kernel_name(scene->curves[c].kernel));
@@ -90,7 +81,7 @@ void sphv_markdown_curves(FILE *stream, const sphv_scene_result *result)
             fprintf(stream, "%llu | ", (unsigned long long)scene->curves[c].experiment.seed);
         else
             fputs("– | ", stream);
-        put_realisations(stream, &facts);
+        fprintf(stream, "%s | ", sphv_realisations_text(realisations, &facts));
         sphv_markdown_tally_cell(stream, facts.exact);
         sphv_markdown_number_cell(stream, facts.relative, 2);
         put_fault_cells(stream, &facts.faults);

@@ -109,6 +109,18 @@ sphv_method_facts *sphv_method_facts_collect(const sphv_report *report, size_t *
     return facts;
 }
 
+const char *sphv_realisations_text(char text[SPHV_REALISATIONS_TEXT], const sphv_curve_facts *facts)
+{
+    if (!facts->statistical)
+        snprintf(text, SPHV_REALISATIONS_TEXT, "–");
+    else if (facts->realisations_least == facts->realisations_most)
+        snprintf(text, SPHV_REALISATIONS_TEXT, "%d", facts->realisations_most);
+    else
+        snprintf(text, SPHV_REALISATIONS_TEXT, "%d–%d", facts->realisations_least,
+                 facts->realisations_most);
+    return text;
+}
+
 void sphv_faults_text(char *text, size_t size, const sphv_faults *faults)
 {
     const struct {

@@ -44,6 +44,13 @@ typedef struct sphv_method_facts {
 ///         without memory
 sphv_method_facts *sphv_method_facts_collect(const sphv_report *report, size_t *count);
 
+enum { SPHV_REALISATIONS_TEXT = 32 };
+
+/// `16`, `16–24`, or `–` on a curve without chance.
+/// \return text, which receives it
+const char *sphv_realisations_text(char text[SPHV_REALISATIONS_TEXT],
+                                   const sphv_curve_facts *facts);
+
 /// `singular 3, ill-conditioned 2` or `none`.
 void sphv_faults_text(char *text, size_t size, const sphv_faults *faults);
 
