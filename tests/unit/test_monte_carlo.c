@@ -71,7 +71,8 @@ static void test_any_number_of_threads(void **state)
             for (int l = 0; l < 2; l++) {
                 sphv_experiment of =
                     experiment((sphv_method)method, (sphv_layout)layout, SPHV_VOLUME_TESSELLATED,
-                               layout == SPHV_PERTURBED ? 0.15 : 0, 0.6, 0.03);
+                               layout == SPHV_PERTURBED ? 0.15 : 0, 0.9, 0.03);
+                of.realisations_max = 6;
                 if (l) of.width = 0.3;
                 threads(1);
                 sphv_disorder_measurement one = measure(&of);
