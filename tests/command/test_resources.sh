@@ -4,8 +4,14 @@
 # shellcheck source=tests/command/harness.sh
 . "${0%/*}/harness.sh"
 
-scene=$(find "$SPHVERIFY_DATA/scenes" -name '*.yaml' | sort | head -n 1)
-[ -n "$scene" ] || { echo 'no scenes'; exit 77; }
+# a small data folder: what fails here fails the same way with all kernels and scenes
+data=$work/data
+mkdir -p "$data/kernels" "$data/scenes"
+cp "$SPHVERIFY_DATA"/kernels/cubic-spline.yaml "$SPHVERIFY_DATA"/kernels/quinlan-w*.yaml \
+    "$SPHVERIFY_DATA"/kernels/gaussian.yaml "$data/kernels"
+cp "$SPHVERIFY_DATA/scenes/quinlan-2006-fig-2a.yaml" "$data/scenes"
+scene=$data/scenes/quinlan-2006-fig-2a.yaml
+SPHVERIFY_DATA=$data
 
 # stdout on a full disk
 if [ -e /dev/full ]; then
