@@ -70,12 +70,27 @@ static bool name_rounding(sphv_check_result *result, double claimed, double foun
     return false;
 }
 
+/// C_d of a kernel's pieces without a transform, whether or not the file declares dimension d; NaN
+/// when the integral vanishes.
+static double plain_constant(const sphv_kernel *kernel, int d)
+{
+    mpq_t moment;
+    mpq_init(moment);
+    sphv_exact_pieces_moment(moment, &kernel->pieces, 0, d - 1);
+    double integral = sphv_rational_round(moment) * sphv_sphere_factor(d) * sphv_sphere_pi(d);
+    mpq_clear(moment);
+    return integral != 0 ? 1 / integral : NAN;
+}
+
 static bool name_other_dimension(const sphv_examination *of, sphv_check_result *result, int d,
                                  double claimed)
 {
     for (int other = 1; other <= SPHV_DIMENSIONS; other++) {
         const sphv_profile *profile = sphv_kernel_profile(of->kernel, other);
-        if (other == d || !profile || !same(claimed, profile->constant.value)) continue;
+        double constant = profile                  ? profile->constant.value
+                          : of->kernel->polynomial ? plain_constant(of->kernel, other)
+                                                   : NAN;
+        if (other == d || !same(claimed, constant)) continue;
         sphv_check_cause(result, "this is the %dD constant", other);
         return true;
     }
@@ -146,13 +161,7 @@ static bool name_other_kernel(const sphv_examination *of, sphv_check_result *res
         return true;
     }
     if (of->kernel->polynomial && of->kernel->fourth_order) {
-        mpq_t plain, surface;
-        mpq_inits(plain, surface, NULL);
-        sphv_exact_pieces_moment(plain, &of->kernel->pieces, 0, d - 1);
-        mpq_set_si(surface, sphv_sphere_factor(d), 1);
-        mpq_mul(plain, plain, surface);
-        double before = 1 / (sphv_rational_round(plain) * sphv_sphere_pi(d));
-        mpq_clears(plain, surface, NULL);
+        double before = plain_constant(of->kernel, d);
         if (same(claimed, before)) {
             sphv_check_cause(result, "this is the constant before the fourth-order transform");
             return true;
