@@ -71,6 +71,34 @@ double sphv_exact_pieces_rounding(const sphv_exact_pieces *pieces, int piece, in
     return pieces->rounding * sum;
 }
 
+/// Bits of the least common multiple with another denominator.
+static size_t grow(mpz_t common, const mpq_t value)
+{
+    mpz_lcm(common, common, mpq_denref(value));
+    return mpz_sizeinbase(common, 2);
+}
+
+bool sphv_exact_pieces_manageable(const sphv_exact_pieces *pieces)
+{
+    enum { BITS = 4000 };
+    mpz_t coefficients, ends;
+    mpz_init_set_ui(coefficients, 1);
+    mpz_init_set_ui(ends, 1);
+    size_t bits = 0;
+    int degree = 0;
+    for (int i = 0; bits <= BITS && i < pieces->count; i++) {
+        const sphv_polynomial *p = &pieces->polynomial[i];
+        if (p->degree > degree) degree = p->degree;
+        bits = grow(ends, pieces->outer[i]) * (size_t)(degree + SPHV_DIMENSIONS + 2);
+        for (int k = 0; bits <= BITS && k <= p->degree; k++)
+            if (grow(coefficients, p->coefficient[k]) > BITS) bits = BITS + 1;
+    }
+    bits += mpz_sizeinbase(coefficients, 2);
+    mpz_clear(coefficients);
+    mpz_clear(ends);
+    return bits <= BITS;
+}
+
 void sphv_exact_pieces_scale(sphv_exact_pieces *pieces, const mpq_t factor)
 {
     for (int i = 0; i < pieces->count; i++)

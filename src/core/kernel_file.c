@@ -202,6 +202,10 @@ static sphv_status read_pieces(const sphv_yaml *yaml, const char *list,
             out->rounding =
                 fmax(out->rounding, sphv_decimal_uncertainty(pieces[i].coefficients[k]));
     }
+    if (status == SPHV_OK && !sphv_exact_pieces_manageable(out))
+        status = sphv_yaml_fail(yaml, list, error,
+                                "the common denominator of all fractions is too long; allowed: "
+                                "fewer pieces, lower degrees, or decimals of up to 17 digits");
     return status;
 }
 

@@ -216,67 +216,6 @@ static sphv_status compile_pieces(sphv_profile *profile, const sphv_exact_pieces
     return status;
 }
 
-/// Rounds an exact number and, for the zeroth moments, its excess over 1.
-static sphv_result round_moment(mpq_t moment, double *excess)
-{
-    double value = sphv_rational_round(moment);
-    if (excess) {
-        mpz_sub(mpq_numref(moment), mpq_numref(moment), mpq_denref(moment));
-        *excess = sphv_rational_round(moment);
-    }
-    return (sphv_result){value, unit_roundoff * fabs(value)};
-}
-
-/// jump[i] = w(q_i−) − w(q_i+) at the outer end of piece i. \return whether any is not zero
-static bool value_jumps(mpq_t *jump, const sphv_exact_pieces *pieces)
-{
-    bool any = false;
-    mpq_t after;
-    mpq_init(after);
-    for (int i = 0; i < pieces->count; i++) {
-        mpq_init(jump[i]);
-        sphv_polynomial_value(jump[i], &pieces->polynomial[i], pieces->outer[i]);
-        if (i + 1 < pieces->count) {
-            sphv_polynomial_value(after, &pieces->polynomial[i + 1], pieces->outer[i]);
-            mpq_sub(jump[i], jump[i], after);
-        }
-        any = any || mpq_sgn(jump[i]) != 0;
-    }
-    mpq_clear(after);
-    return any;
-}
-
-/// Exact moments, rounded once: the sphere's surface cancels the π of the constant. By parts,
-/// −∫q^(j+d) w′ dq/(j+d) = ∫q^(j+d−1) w dq − Σ jumps of w · q^(j+d)/(j+d).
-static void exact_moments(sphv_profile *profile, const sphv_exact_pieces *pieces)
-{
-    int d = profile->dimension;
-    mpq_t moment, part, surface, jump[SPHV_PIECES_MAX];
-    mpq_inits(moment, part, surface, NULL);
-    mpq_set_si(surface, sphv_sphere_factor(d), 1);
-    bool continuous = !value_jumps(jump, pieces);
-    for (int j = 0; j <= SPHV_MOMENT_MAX; j++) {
-        sphv_exact_pieces_moment(moment, pieces, 0, j + d - 1);
-        mpq_mul(moment, moment, surface);
-        mpq_t slope;
-        mpq_init(slope);
-        mpq_set(slope, moment);
-        profile->moment[j] = round_moment(moment, j ? NULL : &profile->excess);
-        for (int i = 0; !continuous && i < pieces->count; i++) {
-            sphv_rational_power(part, pieces->outer[i], j + d);
-            mpq_mul(part, part, jump[i]);
-            mpq_mul(part, part, surface);
-            mpz_mul_ui(mpq_denref(part), mpq_denref(part), (unsigned long)j + (unsigned long)d);
-            mpq_canonicalize(part);
-            mpq_sub(slope, slope, part);
-        }
-        profile->slope_moment[j] = round_moment(slope, j ? NULL : &profile->slope_excess);
-        mpq_clear(slope);
-    }
-    for (int i = 0; i < pieces->count; i++) mpq_clear(jump[i]);
-    mpq_clears(moment, part, surface, NULL);
-}
-
 static void find_boundary_smoothness(sphv_profile *profile)
 {
     const sphv_knot *edge = &profile->knots[profile->knot_count - 1];
@@ -297,11 +236,10 @@ sphv_status sphv_profile_from_pieces(sphv_profile *out, int dimension,
     out->constant.bound = 2 * unit_roundoff * fabs(out->constant.value);
     sphv_status status = allocate(out, pieces->count, pieces->count + 1, error);
     if (status == SPHV_OK) status = compile_pieces(out, pieces, over_pi, error);
-    if (status == SPHV_OK) {
-        exact_moments(out, pieces);
+    if (status == SPHV_OK) status = sphv_profile_moments(out, pieces, error);
+    if (status == SPHV_OK)
         find_boundary_smoothness(out);
-    } else {
+    else
         sphv_profile_free(out);
-    }
     return status;
 }

@@ -26,6 +26,10 @@ sphv_status sphv_exact_pieces_make(sphv_exact_pieces *pieces, int count,
 sphv_status sphv_exact_pieces_copy(sphv_exact_pieces *to, const sphv_exact_pieces *from,
                                    int extra_degree, sphv_error *error) SPHV_MUST_CHECK;
 void sphv_exact_pieces_free(sphv_exact_pieces *pieces);
+/// Can exact arithmetic carry them? A common denominator of all moments has the size of that of the
+/// coefficients plus, for every power of q, that of the ends; fractions with nothing in common
+/// would make it so long that a kernel takes hours.
+bool sphv_exact_pieces_manageable(const sphv_exact_pieces *pieces);
 void sphv_exact_pieces_scale(sphv_exact_pieces *pieces, const mpq_t factor);
 /// Multiplies every piece by (1 − a q²); the pieces must have two degrees to spare.
 void sphv_exact_pieces_transform(sphv_exact_pieces *pieces, const mpq_t a);
@@ -42,6 +46,10 @@ double sphv_sphere_pi(int dimension);
 sphv_status sphv_profile_from_pieces(sphv_profile *out, int dimension,
                                      const sphv_exact_pieces *pieces, const mpq_t constant,
                                      sphv_error *error) SPHV_MUST_CHECK;
+
+/// Fills the moments of a profile and their excesses, each good to one rounding.
+sphv_status sphv_profile_moments(sphv_profile *profile, const sphv_exact_pieces *exact,
+                                 sphv_error *error) SPHV_MUST_CHECK;
 
 /// Compiles a closed form: finds its constant by quadrature.
 /// \param fourth_order apply w(q)(1 − a q²) with a from the moments

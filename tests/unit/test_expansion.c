@@ -151,6 +151,27 @@ static void test_any_pieces(void **state)
     assert_true(made > 0);
 }
 
+/// Fractions that have nothing in common are refused at once: exact arithmetic would take hours.
+static void test_unmanageable_fractions(void **state)
+{
+    (void)state;
+    static char text[1 << 17];
+    int used = snprintf(text, sizeof text,
+                        "name: any\ntitle: any\nsupport: 32\ndimensions: [1]\npieces:\n");
+    for (int i = 1; i <= SPHV_PIECES_MAX; i++) {
+        used += snprintf(text + used, sizeof text - (size_t)used,
+                         "  - {until: %d, coefficients: [\"1\"", i);
+        for (int k = 1; k <= SPHV_DEGREE_MAX; k++) // odd numbers of 37 digits, as good as coprime
+            used += snprintf(text + used, sizeof text - (size_t)used, ", \"1/1%012d%012d%012d1\"",
+                             i * 7919 * k, k * k * 104729, i * i * 1299709 + k);
+        used += snprintf(text + used, sizeof text - (size_t)used, "]}\n");
+    }
+    sphv_kernel *kernel = NULL;
+    sphv_error error;
+    assert_failed(kernel_from_text(text, &kernel, &error), &error, SPHV_INVALID_INPUT,
+                  "common denominator");
+}
+
 static void test_rounding_over_pi(void **state)
 {
     (void)state;
@@ -219,6 +240,7 @@ int main(void)
         cmocka_unit_test(test_bounds_hold_and_are_narrow),
         cmocka_unit_test(test_relative_accuracy_at_the_edge),
         cmocka_unit_test(test_any_pieces),
+        cmocka_unit_test(test_unmanageable_fractions),
         cmocka_unit_test(test_rounding_over_pi),
         cmocka_unit_test(test_moments_of_an_exponential),
     };
