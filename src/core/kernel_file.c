@@ -262,6 +262,10 @@ static sphv_status read_shape(const sphv_yaml *yaml, const struct file_kernel *f
         status = sphv_yaml_fail(yaml, file->family ? "family" : "", error,
                                 "the shape is given %s; allowed: either 'pieces' or 'family'",
                                 file->family ? "twice" : "nowhere");
+    if (status == SPHV_OK && file->transform && file->derivative)
+        status = sphv_yaml_fail(yaml, "derivative", error,
+                                "'derivative' with 'transform': of which function is unclear; "
+                                "allowed: one of them");
     if (status == SPHV_OK && file->pieces && file->exponent)
         status = sphv_yaml_fail(yaml, "exponent", error,
                                 "'exponent' with 'pieces'; allowed: with a family only");
