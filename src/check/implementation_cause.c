@@ -13,6 +13,7 @@ struct suspicion {
     const sphv_profile *profile;
     int dimension, which;
     double factor, length; ///< parameters of a hypothesis
+    double from, to;       ///< only the places with from ≤ q ≤ to
     const sphv_profile *other;
 };
 
@@ -22,6 +23,7 @@ typedef double (*hypothesis)(const struct suspicion *of, const sphv_probe *probe
 static bool concerns(const struct suspicion *of, const sphv_probe *probe)
 {
     return probe->kind == SPHV_PROBE_SHAPE && probe->call.dimension == of->dimension &&
+           probe->q >= of->from && probe->q <= of->to &&
            isfinite(sphv_implementation_answer(probe, of->which));
 }
 
@@ -212,38 +214,51 @@ static int by_place(const void *a, const void *b)
     return (p > q) - (p < q);
 }
 
-/// Where it is wrong: the range of q, and whether the library is zero there.
-static void name_range(const struct suspicion *of, sphv_check_result *result)
+/// Where the library is wrong.
+struct range {
+    size_t count, wrong, zeros; ///< places, wrong ones, wrong ones where it returns zero
+    double first, last;         ///< q of the first and last wrong place
+    double largest;             ///< difference, relative to the largest right value
+};
+
+static struct range find_range(const struct suspicion *of)
 {
+    struct range range = {.first = NAN, .last = NAN};
     const sphv_probe **places = malloc((of->data->count + 1) * sizeof *places);
-    size_t count = 0, wrong = 0, zeros = 0;
-    if (!places) return;
+    if (!places) return range;
     for (size_t i = 0; i < of->data->count; i++)
-        if (concerns(of, &of->data->probes[i])) places[count++] = &of->data->probes[i];
-    if (count) qsort(places, count, sizeof *places, by_place);
-    double first = NAN, last = NAN, largest = 0, scale = 0;
-    for (size_t i = 0; i < count; i++) {
+        if (concerns(of, &of->data->probes[i])) places[range.count++] = &of->data->probes[i];
+    if (range.count) qsort(places, range.count, sizeof *places, by_place);
+    double scale = 0;
+    for (size_t i = 0; i < range.count; i++) {
         double found = sphv_implementation_answer(places[i], of->which);
         double apart = fabs(found - places[i]->reference[of->which].value);
         scale = fmax(scale, fabs(places[i]->reference[of->which].value));
         if (apart <= sphv_implementation_tolerance(of->data, places[i], of->which)) continue;
-        if (wrong++ == 0) first = places[i]->q;
-        last = places[i]->q;
-        zeros += found == 0;
-        largest = fmax(largest, apart);
+        if (range.wrong++ == 0) range.first = places[i]->q;
+        range.last = places[i]->q;
+        range.zeros += found == 0;
+        range.largest = fmax(range.largest, apart);
     }
+    range.largest /= scale;
     free(places);
+    return range;
+}
+
+static void name_range(const struct suspicion *of, const struct range *range,
+                       sphv_check_result *result)
+{
     double kappa = of->profile->support;
-    if (wrong && zeros == wrong && first > 0.05 * kappa)
+    if (range->wrong && range->zeros == range->wrong && range->first > 0.05 * kappa)
         sphv_check_cause(
             result,
             "the library is zero from q = %.6g on: its support is smaller than the file's %.10g",
-            first, kappa);
-    else if (wrong)
+            range->first, kappa);
+    else if (range->wrong)
         sphv_check_cause(
             result,
             "wrong at %zu of %zu places, from q = %.6g to %.6g, by up to %.3e of the largest",
-            wrong, count, first, last, largest / scale);
+            range->wrong, range->count, range->first, range->last, range->largest);
 }
 
 static bool name_gradient(struct suspicion *of, sphv_check_result *result)
@@ -282,6 +297,18 @@ static bool name_gradient(struct suspicion *of, sphv_check_result *result)
     return false;
 }
 
+/// One mistake at all the places that concern: a factor, or a mistake of a gradient.
+static bool name_mistake(struct suspicion *of, sphv_check_result *result)
+{
+    double factor = factor_of(of, multiple);
+    of->factor = factor;
+    if (isfinite(factor) && factor != 0 && fits(of, multiple, fmax(2, 2 * fabs(factor)))) {
+        name_factor(of, factor, result);
+        return true;
+    }
+    return of->which && name_gradient(of, result);
+}
+
 void sphv_implementation_name_cause(const sphv_examination *of,
                                     const sphv_implementation_data *data, int dimension, int which,
                                     sphv_check_result *result)
@@ -290,21 +317,25 @@ void sphv_implementation_name_cause(const sphv_examination *of,
                               .data = data,
                               .profile = sphv_kernel_profile(of->kernel, dimension),
                               .dimension = dimension,
-                              .which = which};
-    double factor = factor_of(&about, multiple);
-    about.factor = factor;
-    if (isfinite(factor) && factor != 0 && fits(&about, multiple, fmax(2, 2 * fabs(factor)))) {
-        name_factor(&about, factor, result);
-        return;
-    }
-    about.factor = 1;
+                              .which = which,
+                              .factor = 1,
+                              .to = INFINITY};
     if (!which && fits(&about, clamped, 2)) {
         sphv_check_cause(result, "negative values are set to zero");
         return;
     }
-    if (which && name_gradient(&about, result)) return;
-    if (name_stretch(&about, result) || name_other_kernel(&about, result)) return;
-    name_range(&about, result);
+    if (name_mistake(&about, result) || name_stretch(&about, result) ||
+        name_other_kernel(&about, result))
+        return;
+    // One piece of a kernel can be wrong on its own.
+    struct range range = find_range(&about);
+    about.from = range.first;
+    about.to = range.last;
+    if (range.wrong && range.zeros < range.wrong && name_mistake(&about, result))
+        sphv_check_cause(result, "from q = %.6g to %.6g, and right elsewhere", range.first,
+                         range.last);
+    else
+        name_range(&about, &range, result);
 }
 
 void sphv_implementation_name_scaling(const sphv_implementation_data *data, int dimension,
