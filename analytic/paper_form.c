@@ -43,7 +43,9 @@ sphv_status sphv_predict_paper(const sphv_profile *profile, double h, sphv_numbe
                          "2*support/(2n+1) such as %.10g, or the exact form",
                          spacing.value, near);
     }
-    const sphv_knot *edge = &profile->knots[profile->knot_count - 1];
+    static const sphv_knot nothing = {{0, 0}, 0, 0, NULL}; // Ŵ ended before κ: no jump, no term
+    const sphv_knot *edge = sphv_profile_edge(profile);
+    if (!edge) edge = &nothing;
     // First even order at which the edge contributes: β + 2, or β + 1 for odd β.
     int first = edge->order < 2 ? 2 : edge->order + edge->order % 2;
     double discretisation = 0, neglected = 0;

@@ -71,7 +71,7 @@ typedef struct sphv_profile {
     double support; ///< κ
     sphv_number support_exact;
     sphv_result constant;    ///< C_d, recomputed from w, never the file's claim
-    int boundary_smoothness; ///< β, found from the derivatives at κ
+    int boundary_smoothness; ///< β, found at κ; SPHV_JET_MAX when Ŵ ends before κ
     int piece_count;
     sphv_piece *pieces;
     int knot_count;
@@ -146,6 +146,9 @@ void sphv_profile_values(const sphv_profile *profile, double q, sphv_result out[
 /// Taylor coefficients Ŵ^(i)(q)/i!, i = 0 … order, of one piece about q, which may be its ends.
 /// \param jet receives order + 1 numbers. \pre order <= SPHV_JET_MAX
 void sphv_profile_jet(const sphv_profile *profile, int piece, double q, int order, double *jet);
+
+/// The knot at κ, or NULL when Ŵ ends there without any jump (it ended before).
+const sphv_knot *sphv_profile_edge(const sphv_profile *profile);
 
 /// A spacing ratio Δs = 2κ/(2n+1) of this profile; 4/(2n+1) for κ = 2 (Quinlan eq. 17).
 sphv_number sphv_profile_special_spacing(const sphv_profile *profile, int n);

@@ -154,7 +154,7 @@ sphv_status sphv_check_boundary(sphv_examination *of, int dimension, sphv_error 
     if (!result) return SPHV_RESOURCE_FAILURE;
     const int *claim = of->kernel->claims.boundary_smoothness;
     int found = profile->boundary_smoothness;
-    const sphv_knot *edge = &profile->knots[profile->knot_count - 1];
+    const sphv_knot *edge = sphv_profile_edge(profile);
     const sphv_piece *last = &profile->pieces[profile->piece_count - 1];
     if (claim) {
         sphv_check_claim(result, "β = %d, and w meets zero smoothly at κ", *claim);
@@ -162,7 +162,7 @@ sphv_status sphv_check_boundary(sphv_examination *of, int dimension, sphv_error 
     } else {
         sphv_check_claim(result, "w and its slope vanish at κ (β >= 1)");
     }
-    bool has_edge = profile->knot_count && edge->position.value == profile->support;
+    bool has_edge = edge != NULL;
     sphv_result measured =
         has_edge ? measure_scaling(of, profile, edge, last) : (sphv_result){NAN, INFINITY};
     result->analytic = found;

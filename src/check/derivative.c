@@ -108,8 +108,7 @@ static bool gradient_is(const sphv_kernel *kernel, gradient_base base, int shift
     return known || (base == SLOPE && shift == 0);
 }
 
-static void name_factor(sphv_check_result *result, const char *what, const mpq_t factor,
-                        double kappa)
+static void name_factor(sphv_check_result *result, const char *what, const mpq_t factor)
 {
     double f = factor_value(factor);
     if (f == 1) {
@@ -118,7 +117,6 @@ static void name_factor(sphv_check_result *result, const char *what, const mpq_t
         sphv_check_cause(result, "%s, and its sign is flipped", what);
     } else {
         sphv_check_cause(result, "%s, times %.10g", what, f);
-        (void)kappa;
     }
 }
 
@@ -140,15 +138,15 @@ static bool name_whole(const sphv_kernel *kernel, sphv_check_result *result)
         else
             sphv_check_cause(result, "the gradient is %.10g times too large", f);
     } else if (gradient_is(kernel, SLOPE, -1, factor, -1)) {
-        name_factor(result, "the gradient lacks a factor q", factor, kappa);
+        name_factor(result, "the gradient lacks a factor q", factor);
     } else if (gradient_is(kernel, SLOPE, 1, factor, -1)) {
-        name_factor(result, "the gradient has a factor q too many", factor, kappa);
+        name_factor(result, "the gradient has a factor q too many", factor);
     } else if (gradient_is(kernel, SLOPE, -2, factor, -1)) {
-        name_factor(result, "the gradient lacks a factor q^2", factor, kappa);
+        name_factor(result, "the gradient lacks a factor q^2", factor);
     } else if (gradient_is(kernel, VALUE, 0, factor, -1)) {
-        name_factor(result, "the gradient is w itself", factor, kappa);
+        name_factor(result, "the gradient is w itself", factor);
     } else if (gradient_is(kernel, CURVATURE, 0, factor, -1)) {
-        name_factor(result, "the gradient is the second derivative", factor, kappa);
+        name_factor(result, "the gradient is the second derivative", factor);
     } else {
         named = false;
     }
@@ -218,6 +216,33 @@ static void name_coefficients(const sphv_kernel *kernel, int j, sphv_check_resul
     mpq_clear(zero);
 }
 
+/// A mistake that one piece of the gradient makes throughout.
+static bool name_piece(const sphv_kernel *kernel, int j, sphv_check_result *result)
+{
+    static const struct {
+        gradient_base base;
+        int shift;
+        const char *meaning;
+    } mistakes[] = {
+        {SLOPE, -1, "lacks a factor q"},
+        {SLOPE, 1, "has a factor q too many"},
+        {SLOPE, -2, "lacks a factor q^2"},
+        {VALUE, 0, "is w itself"},
+        {CURVATURE, 0, "is the second derivative"},
+    };
+    mpq_t factor;
+    mpq_init(factor);
+    bool named = false;
+    for (size_t i = 0; !named && i < sizeof mistakes / sizeof *mistakes; i++) {
+        named = gradient_is(kernel, mistakes[i].base, mistakes[i].shift, factor, j) &&
+                factor_value(factor) == 1;
+        if (named)
+            sphv_check_cause(result, "piece %d of the gradient %s", j + 1, mistakes[i].meaning);
+    }
+    mpq_clear(factor);
+    return named;
+}
+
 /// Where file gradient and w′ differ most, or w′ is largest when they do not.
 static double telling_place(const sphv_profile *profile, const sphv_profile *gradient)
 {
@@ -271,7 +296,8 @@ sphv_status sphv_check_derivative(sphv_examination *of, int dimension, sphv_erro
     if (name_whole(kernel, result)) return SPHV_OK;
     mpq_init(factor);
     for (int j = 0; j < kernel->gradient.count; j++)
-        if (!gradient_is(kernel, SLOPE, 0, factor, j)) name_coefficients(kernel, j, result);
+        if (!gradient_is(kernel, SLOPE, 0, factor, j) && !name_piece(kernel, j, result))
+            name_coefficients(kernel, j, result);
     mpq_clear(factor);
     if (!*result->cause)
         sphv_check_cause(result, "the pieces of the gradient end elsewhere than those of w");

@@ -44,10 +44,10 @@ static json_t *knots(const sphv_profile *profile)
 static json_t *edge_derivatives(const sphv_profile *profile)
 {
     double jet[DERIVATIVES_SHOWN + 1];
-    const sphv_knot *edge = &profile->knots[profile->knot_count - 1];
+    const sphv_knot *edge = sphv_profile_edge(profile);
     json_t *list = json_array();
     for (int i = 0; i <= DERIVATIVES_SHOWN; i++) {
-        jet[i] = i < edge->terms ? edge->jump[i] * tgamma(i + 1.0) : 0;
+        jet[i] = edge && i < edge->terms ? edge->jump[i] * tgamma(i + 1.0) : 0;
         json_array_append_new(list, sphv_json_number(jet[i]));
     }
     return list;
@@ -89,10 +89,11 @@ static void print_dimension(const json_t *of)
     printf("\n%dD\n", (int)json_integer_value(json_object_get(of, "dim")));
     printf("  constant C      %.17g  = %s\n", number_at(constant, "value"),
            string_or(json_object_get(constant, "exact"), "(no rational form)"));
-    printf("  beta            %d%s\n", (int)json_integer_value(json_object_get(of, "beta")),
-           json_integer_value(json_object_get(of, "beta")) < 0
-               ? "  (truncated: the value itself jumps at the edge)"
-               : "");
+    int beta = (int)json_integer_value(json_object_get(of, "beta"));
+    printf("  beta            %d%s\n", beta,
+           beta < 0               ? "  (truncated: the value itself jumps at the edge)"
+           : beta >= SPHV_JET_MAX ? "  (w is zero before the edge already)"
+                                  : "");
     if (number_at(of, "integral_minus_one") != 0)
         printf("  integral - 1    %.6e  (the part beyond the support is missing)\n",
                number_at(of, "integral_minus_one"));

@@ -30,8 +30,8 @@ sphv_kernel *sphv_kernel_new(void);
 
 /// sphv_kernel_load, but a kernel that no declared dimension can normalise is handed over too, with
 /// the reasons as its refusals: a check of the file has to say more about it than that.
-sphv_status sphv_kernel_load_any(const char *path, sphv_kernel **out, sphv_error *error)
-    SPHV_MUST_CHECK;
+sphv_status sphv_kernel_load_any(const char *path, sphv_kernel **out,
+                                 sphv_error *error) SPHV_MUST_CHECK;
 
 /// Normalises and compiles every declared dimension; refuses those in which ∫W dV is not positive.
 /// \return SPHV_INVALID_INPUT when no dimension is left

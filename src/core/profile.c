@@ -216,11 +216,17 @@ static sphv_status compile_pieces(sphv_profile *profile, const sphv_exact_pieces
     return status;
 }
 
+const sphv_knot *sphv_profile_edge(const sphv_profile *profile)
+{
+    if (profile->knot_count == 0) return NULL;
+    const sphv_knot *last = &profile->knots[profile->knot_count - 1];
+    return last->position.value == profile->support ? last : NULL;
+}
+
 static void find_boundary_smoothness(sphv_profile *profile)
 {
-    const sphv_knot *edge = &profile->knots[profile->knot_count - 1];
-    profile->boundary_smoothness =
-        profile->knot_count && edge->position.value == profile->support ? edge->order - 1 : -1;
+    const sphv_knot *edge = sphv_profile_edge(profile);
+    profile->boundary_smoothness = edge ? edge->order - 1 : SPHV_JET_MAX;
 }
 
 sphv_status sphv_profile_from_pieces(sphv_profile *out, int dimension,

@@ -52,7 +52,7 @@ static void collect_orders(sphv_kernel_facts *facts)
     if (!profile) return;
     facts->special_order = sphv_predicted_order(profile, true, &facts->special_knot);
     facts->general_order = sphv_predicted_order(profile, false, &facts->general_knot);
-    int c = profile->knots[profile->knot_count - 1].order;
+    int c = (profile->boundary_smoothness + 1);
     facts->edge_order = c < 2 ? 2 : c + c % 2;
 }
 

@@ -55,7 +55,7 @@ static sphv_status compute_sign(const sphv_profile *profile, sphv_sign_slip *row
     if (status == SPHV_OK)
         status = sphv_predict_lattice(profile, linear_h, spacing, SPHV_FORM_PAPER, &paper, error);
     if (status != SPHV_OK) return status;
-    int edge = profile->knot_count - 1, c = profile->knots[edge].order;
+    int edge = profile->knot_count - 1, c = (profile->boundary_smoothness + 1);
     row->n = n;
     row->spacing = spacing.value;
     row->mended = paper.discretisation;
@@ -107,7 +107,7 @@ static sphv_status compute_knot(const sphv_profile *profile, sphv_knot_slip *sli
     slip->paper = paper.discretisation;
     slip->exact_verdict = sphv_compare(slip->exact, slip->measured, slip->exact.value);
     slip->paper_verdict = sphv_compare(slip->paper, slip->measured, slip->paper.value);
-    int c = profile->knots[profile->knot_count - 1].order;
+    int c = (profile->boundary_smoothness + 1);
     slip->paper_order = c + c % 2;
     slip->predicted_order = sphv_predicted_order(profile, true, NULL);
     return SPHV_OK;

@@ -1,7 +1,8 @@
-/// A program of somebody else's: the error of the gradient at one point through the installed library.
+/// A program of somebody else's: the error of the gradient at one point through the installed
+/// library.
 #include <math.h>
-#include <stdio.h>
 #include <sphverify/sphverify.h>
+#include <stdio.h>
 
 int main(int argc, char **argv)
 {
