@@ -10,40 +10,56 @@
 /// Share of the work that the kernels' agreement tables take, for the progress bar.
 static const double kernel_share = 0.3;
 
-static sphv_status check_kernel(const sphv_catalogue *catalogue, size_t i, sphv_report *report,
-                                sphv_error *error)
+/// Checks one kernel and compares both halves over its agreement table.
+static sphv_status run_kernel(const sphv_catalogue *catalogue, size_t i, sphv_report *report,
+                              sphv_error *error)
 {
     sphv_check_options options = {.reference = catalogue};
     sphv_status status =
         sphv_check_kernel(catalogue->kernels[i], &options, &report->checks[i], error);
-    if (status == SPHV_OK)
-        report->verdict = sphv_verdict_worse(report->verdict, report->checks[i].verdict);
-    return status;
+    if (status != SPHV_OK || !sphv_kernel_profile(catalogue->kernels[i], 1)) return status;
+    return sphv_agreement_run(catalogue->kernels[i], &report->agreements[i], error);
 }
 
+static void count_verdicts(sphv_report *report)
+{
+    for (size_t i = 0; i < report->kernel_count; i++) {
+        const sphv_agreement *agreement = report->agreements[i];
+        report->verdict = sphv_verdict_worse(report->verdict, report->checks[i].verdict);
+        for (int verdict = SPHV_AGREES; agreement && verdict <= SPHV_INCONCLUSIVE; verdict++)
+            if (agreement->exact[verdict])
+                report->verdict = sphv_verdict_worse(report->verdict, (sphv_verdict)verdict);
+    }
+}
+
+/// One kernel to each thread: what a kernel needs in turn keeps no thread waiting.
 static sphv_status run_kernels(const sphv_arguments *arguments, sphv_catalogue *catalogue,
                                sphv_report *report, sphv_error *error)
 {
-    sphv_status status = sphv_catalogue_load(arguments->data_directory, catalogue, error);
-    if (status != SPHV_OK) return status;
+    sphv_status first = sphv_catalogue_load(arguments->data_directory, catalogue, error);
+    if (first != SPHV_OK) return first;
     report->kernel_count = catalogue->count;
     report->kernels = catalogue->kernels;
     report->agreements = calloc(catalogue->count + 1, sizeof *report->agreements);
     report->checks = calloc(catalogue->count + 1, sizeof *report->checks);
     if (!report->agreements || !report->checks)
         return sphv_fail(error, SPHV_RESOURCE_FAILURE, "out of memory");
-    for (size_t i = 0; status == SPHV_OK && i < catalogue->count; i++) {
-        sphv_progress_bar("kernels", kernel_share * (double)i / (double)catalogue->count);
-        status = check_kernel(catalogue, i, report, error);
-        if (status != SPHV_OK || !sphv_kernel_profile(catalogue->kernels[i], 1)) continue;
-        status = sphv_agreement_run(catalogue->kernels[i], &report->agreements[i], error);
-        if (status != SPHV_OK) break;
-        const sphv_agreement *agreement = report->agreements[i];
-        for (int verdict = SPHV_AGREES; verdict <= SPHV_INCONCLUSIVE; verdict++)
-            if (agreement->exact[verdict])
-                report->verdict = sphv_verdict_worse(report->verdict, (sphv_verdict)verdict);
+    long count = (long)catalogue->count, done = 0;
+#pragma omp parallel for schedule(dynamic, 1)
+    for (long i = 0; i < count; i++) {
+        sphv_error reason;
+        sphv_status status = run_kernel(catalogue, (size_t)i, report, &reason);
+#pragma omp critical(sphv_report_kernels)
+        {
+            if (status != SPHV_OK && first == SPHV_OK) {
+                first = status;
+                *error = reason;
+            }
+            sphv_progress_bar("kernels", kernel_share * (double)++done / (double)count);
+        }
     }
-    return status;
+    if (first == SPHV_OK) count_verdicts(report);
+    return first;
 }
 
 static sphv_status run_scenes(const sphv_arguments *arguments, const sphv_file_list *files,
