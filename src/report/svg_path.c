@@ -164,12 +164,18 @@ static void put_number(FILE *out, double value, int decimals)
 /// \return what follows a colour rgb(r, g, b), or NULL when there is none
 static const char *put_colour(FILE *out, const char *value, const char *end)
 {
-    int r, g, b, used = 0;
     if (strncmp(value, "rgb(", 4) != 0) return NULL;
-    if (sscanf(value, "rgb(%d ,%d ,%d )%n", &r, &g, &b, &used) != 3 || used == 0) return NULL;
-    if (value + used > end || r < 0 || g < 0 || b < 0 || r > 255 || g > 255 || b > 255) return NULL;
-    fprintf(out, "#%02X%02X%02X", (unsigned)r, (unsigned)g, (unsigned)b);
-    return value + used;
+    const char *at = value + 4;
+    long part[3];
+    for (int i = 0; i < 3; i++) {
+        char *after;
+        part[i] = strtol(at, &after, 10);
+        if (after == at || part[i] < 0 || part[i] > 255) return NULL;
+        at = after + strspn(after, " ");
+        if (at >= end || *at++ != (i < 2 ? ',' : ')')) return NULL;
+    }
+    fprintf(out, "#%02lX%02lX%02lX", part[0], part[1], part[2]);
+    return at;
 }
 
 void sphv_svg_put_value(FILE *out, const char *value, const char *end, int decimals)

@@ -86,6 +86,7 @@ status=$?
 [ "$status" -eq 3 ] || failed "$command_line: status $status, expected 3"
 [ "$(wc -l <"$err")" -eq 1 ] || failed "$command_line: not one line"
 grep -qi gnuplot "$err" || failed "$command_line: does not name gnuplot"
+grep -qF -- --no-plot "$err" || failed "$command_line: does not say how to do without"
 no_partial "$work/unplotted"
 
 # gnuplot that fails, and one that never ends its output properly
