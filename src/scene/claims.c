@@ -132,6 +132,22 @@ static double paper_agreement(const sphv_scene_result *result, const sphv_claim 
     return all > 0 ? agreeing / all : NAN;
 }
 
+/// Part of the estimates that had to be left out of the norm. Counted, not predicted, so it is the
+/// same from either side.
+static double failures(const sphv_scene_result *result, const sphv_claim *claim, bool empirical)
+{
+    (void)empirical;
+    double left_out = 0, all = 0;
+    for (size_t i = 0; i < result->sample_count[claim->curve]; i++) {
+        const sphv_sample *sample = &result->samples[claim->curve][i];
+        if (!counts(claim, sample) || !sample->point.statistical) continue;
+        const sphv_disorder_measurement *measured = &sample->point.disorder;
+        all += (double)measured->particles;
+        left_out += (double)(measured->singular + measured->ill_conditioned + measured->not_finite);
+    }
+    return all > 0 ? left_out / all : NAN;
+}
+
 const sphv_claim_measure sphv_claim_measures[] = {
     {"slope", "least-squares slope of log|E| against the logarithm of the abscissa", false, slope},
     {"slope-difference", "slope of the curve less that of the reference curve", true,
@@ -142,6 +158,8 @@ const sphv_claim_measure sphv_claim_measures[] = {
     {"value", "value at the start of the range", false, value},
     {"paper-agreement", "part of the special points at which the paper's form agrees", false,
      paper_agreement},
+    {"failures", "part of the estimates left out: singular, ill-conditioned or not finite", false,
+     failures},
     {NULL, NULL, false, NULL},
 };
 
