@@ -17,9 +17,10 @@ static int worse(int a, int b)
 static void print_claim(const sphv_claim *claim, const sphv_claim_result *found)
 {
     printf("  %-12s  %s\n", sphv_verdict_name(found->verdict), claim->statement);
-    printf("  %-12s  %s: expected %.6g ± %.2g, theory %.6g, measured %.6g\n", "",
-           claim->measure->name, claim->expected, claim->tolerance, found->analytic,
-           found->empirical);
+    printf("  %-12s  %s: expected %.6g ± %.2g", "", claim->measure->name, claim->expected,
+           claim->tolerance);
+    if (isfinite(found->analytic)) printf(", theory %.6g", found->analytic);
+    printf(", measured %.6g\n", found->empirical);
     if (claim->refuted) printf("  %-12s  why it fails: %s\n", "", claim->refuted);
     if (found->surprising && claim->refuted) printf("  %-12s  yet it holds here\n", "");
 }

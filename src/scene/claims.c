@@ -116,12 +116,12 @@ static double value(const sphv_scene_result *result, const sphv_claim *claim, bo
     return found;
 }
 
-/// Part of the special points at which the paper's form agrees with measurement. A statement about
-/// both halves at once, so it is the same from either side.
+/// Part of the special points at which the paper's form agrees with measurement: counted, not
+/// predicted.
 static double paper_agreement(const sphv_scene_result *result, const sphv_claim *claim,
                               bool empirical)
 {
-    (void)empirical;
+    if (!empirical) return NAN;
     double agreeing = 0, all = 0;
     for (size_t i = 0; i < result->sample_count[claim->curve]; i++) {
         const sphv_sample *sample = &result->samples[claim->curve][i];
@@ -132,11 +132,10 @@ static double paper_agreement(const sphv_scene_result *result, const sphv_claim 
     return all > 0 ? agreeing / all : NAN;
 }
 
-/// Part of the estimates that had to be left out of the norm. Counted, not predicted, so it is the
-/// same from either side.
+/// Part of the estimates that had to be left out of the norm: counted, not predicted.
 static double failures(const sphv_scene_result *result, const sphv_claim *claim, bool empirical)
 {
-    (void)empirical;
+    if (!empirical) return NAN;
     double left_out = 0, all = 0;
     for (size_t i = 0; i < result->sample_count[claim->curve]; i++) {
         const sphv_sample *sample = &result->samples[claim->curve][i];
@@ -168,10 +167,12 @@ sphv_claim_result sphv_claim_judge(const sphv_scene_result *result, const sphv_c
     sphv_claim_result judged = {claim->measure->measure(result, claim, false),
                                 claim->measure->measure(result, claim, true), SPHV_INCONCLUSIVE,
                                 false};
-    if (isfinite(judged.empirical) && isfinite(judged.analytic)) {
-        bool both = fabs(judged.empirical - claim->expected) <= claim->tolerance &&
-                    fabs(judged.analytic - claim->expected) <= claim->tolerance;
-        judged.verdict = both ? SPHV_AGREES : SPHV_DISAGREES;
+    // Some measures only count; theory then says nothing, which is not a disagreement.
+    if (isfinite(judged.empirical)) {
+        bool predicted = !isfinite(judged.analytic) ||
+                         fabs(judged.analytic - claim->expected) <= claim->tolerance;
+        bool measured = fabs(judged.empirical - claim->expected) <= claim->tolerance;
+        judged.verdict = predicted && measured ? SPHV_AGREES : SPHV_DISAGREES;
     }
     judged.surprising = judged.verdict != (claim->refuted ? SPHV_DISAGREES : SPHV_AGREES);
     return judged;
