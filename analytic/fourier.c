@@ -1,5 +1,4 @@
 #include <gsl/gsl_math.h>
-#include <gsl/gsl_sf_bessel.h>
 
 #include "core/quadrature.h"
 #include "internal.h"
@@ -62,7 +61,7 @@ static double transform_integrand(double q, void *context)
     case 1:
         return 2 * w * cos(x);
     case 2:
-        return 2 * M_PI * q * w * gsl_sf_bessel_J0(x);
+        return 2 * M_PI * q * w * j0(x);
     default:
         return 4 * M_PI * q * q * w * (x < 1e-4 ? 1 - x * x / 6 : sin(x) / x);
     }
