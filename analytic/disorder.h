@@ -40,6 +40,14 @@ void sphv_sums_conditional(const sphv_experiment *experiment, double K, sphv_pha
 void sphv_sums_first_order(const sphv_experiment *experiment, double K, sphv_phase phase,
                            sphv_sums *out);
 
+/// Mean and covariance by the main effect of each particle's perturbation, for density volumes:
+/// each is moved alone, by every node of the quadrature, and what two do together is neglected.
+/// Exact to second order in σ for the mean and to first for the covariance. \return false without
+/// memory
+bool sphv_sums_main_effects(const sphv_experiment *experiment, double K, sphv_phase phase,
+                            const double *nodes, const double *weights, int node_count,
+                            sphv_sums *out);
+
 /// What a method makes of random sums.
 typedef struct sphv_mean_square {
     double value;       ///< E[error²], to second order in the sums' fluctuations

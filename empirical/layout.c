@@ -19,7 +19,7 @@ static philox4x32_ctr_t philox(uint64_t seed, int realisation, long index)
     return philox4x32(counter, key);
 }
 
-/// A number in (0, 1): 53 random bits, shifted by half a step so that 0 and 1 cannot occur.
+/// A number in (0, 1): 52 random bits, shifted by half a step so that 0 and 1 cannot occur.
 static double unit_interval(uint32_t high, uint32_t low)
 {
     uint64_t bits = ((uint64_t)high << 32 | low) >> 12;

@@ -91,6 +91,9 @@ typedef struct sphv_cells {
 /// Largest σ/Δx accepted.
 #define SPHV_SIGMA_MAX 10.0
 
+/// Most particles in a wavelength that a scattered layout may have; a lattice keeps none.
+#define SPHV_SCATTERED_MAX 1e7
+
 /// Checks that the parts of an experiment go together.
 sphv_status sphv_experiment_check(const sphv_experiment *experiment,
                                   sphv_error *error) SPHV_MUST_CHECK;

@@ -82,6 +82,19 @@ sphv_status sphv_experiment_check(const sphv_experiment *experiment, sphv_error 
     if (experiment->profile->dimension != 1)
         return sphv_fail(error, SPHV_NO_CLOSED_FORM, "no experiment in %d dimensions; allowed: 1",
                          experiment->profile->dimension);
+    if (!(experiment->h > 0 && isfinite(experiment->h)))
+        return sphv_fail(error, SPHV_INVALID_INPUT, "h is %g; allowed: a positive number",
+                         experiment->h);
+    if (!(experiment->spacing.value > 0 && isfinite(experiment->spacing.value)))
+        return sphv_fail(error, SPHV_INVALID_INPUT, "spacing is %g; allowed: a positive number",
+                         experiment->spacing.value);
+    if ((experiment->layout == SPHV_RANDOM || experiment->layout == SPHV_QUASI_RANDOM) &&
+        experiment->h * experiment->spacing.value < 1 / SPHV_SCATTERED_MAX)
+        return sphv_fail(error, SPHV_INVALID_INPUT,
+                         "%.3g particles a wavelength are too many to keep for layout '%s'; "
+                         "allowed: up to %g",
+                         1 / (experiment->h * experiment->spacing.value),
+                         sphv_layouts[experiment->layout].name, SPHV_SCATTERED_MAX);
     if (!(experiment->sigma >= 0 && experiment->sigma <= SPHV_SIGMA_MAX))
         return sphv_fail(error, SPHV_INVALID_INPUT, "sigma is %g; allowed: 0 to %g",
                          experiment->sigma, SPHV_SIGMA_MAX);

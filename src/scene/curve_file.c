@@ -82,7 +82,8 @@ static sphv_status read_experiment(const struct sphv_scene_reader *of, unsigned 
         status = sphv_number_parse(file->spacing_exponent, &exponent, &reason);
     experiment->sigma = sigma.value;
     experiment->profile = curve->profile;
-    experiment->h = 1;
+    experiment->h = 1; // h and spacing are those of each point; here they only have to be sound
+    experiment->spacing = sphv_number_from_double(1);
     curve->spacing_exponent = exponent.value;
     if (status == SPHV_OK) status = sphv_experiment_check(experiment, &reason);
     if (status == SPHV_OK && file->spacing_exponent && of->scene->abscissa != SPHV_OVER_H)
