@@ -35,7 +35,7 @@
 enum {
     SPHV_DIMENSIONS = 3,  ///< kernels live in 1 to 3 dimensions
     SPHV_JET_MAX = 96,    ///< highest Taylor order of a profile that may be asked for
-    SPHV_MOMENT_MAX = 84, ///< highest moment kept
+    SPHV_MOMENT_MAX = 64, ///< highest moment kept
     SPHV_PIECES_MAX = 32, ///< pieces of a kernel file
     SPHV_DEGREE_MAX = 40, ///< degree of a piece
 };
