@@ -7,9 +7,16 @@
 
 enum { ORDER_MAX = 2, MATRIX = ORDER_MAX + 1 };
 
-/// Kernel value and slope at a signed offset.
-static void kernel_at(const sphv_profile *profile, double s, double *value, double *slope)
+/// Kernel value and slope at particle b, evaluated here unless the neighbourhood has them.
+static void kernel_at(const sphv_profile *profile, const sphv_neighbourhood *around, int b,
+                      double *value, double *slope)
 {
+    if (around->value) {
+        *value = around->value[b];
+        *slope = around->slope[b];
+        return;
+    }
+    double s = around->s[b];
     sphv_result all[3];
     sphv_profile_values(profile, fabs(s), all);
     *value = all[0].value;
@@ -34,7 +41,7 @@ static sphv_estimate standard(const sphv_profile *profile, const sphv_neighbourh
 {
     double sum = 0, value, slope;
     for (int b = 0; b < around->count; b++) {
-        kernel_at(profile, around->s[b], &value, &slope);
+        kernel_at(profile, around, b, &value, &slope);
         sum -= field[b] * slope * around->volume[b];
     }
     return judge(sum, 1);
@@ -47,12 +54,12 @@ static sphv_estimate bonet_lok(const sphv_profile *profile, const sphv_neighbour
 {
     double d = 0, d_slope = 0, value, slope, numerator = 0, moment = 0, size = 0;
     for (int b = 0; b < around->count; b++) {
-        kernel_at(profile, around->s[b], &value, &slope);
+        kernel_at(profile, around, b, &value, &slope);
         d += value * around->volume[b];
         d_slope += slope * around->volume[b];
     }
     for (int b = 0; b < around->count; b++) {
-        kernel_at(profile, around->s[b], &value, &slope);
+        kernel_at(profile, around, b, &value, &slope);
         double gradient = (value * d_slope - slope * d) / (d * d) * around->volume[b];
         numerator += (field[b] - field[around->self]) * gradient;
         moment += around->s[b] * gradient;
@@ -111,7 +118,7 @@ static sphv_estimate moving_least_squares(int order, const sphv_profile *profile
     for (int p = 0; p < around->count; p++) {
         double s = around->s[p], value, slope, power[2 * ORDER_MAX + 1] = {1};
         double difference = field[p] - field[around->self];
-        kernel_at(profile, s, &value, &slope);
+        kernel_at(profile, around, p, &value, &slope);
         value *= around->volume[p];
         slope *= around->volume[p];
         for (int k = 1; k <= 2 * order; k++) power[k] = power[k - 1] * s;

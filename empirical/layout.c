@@ -95,19 +95,20 @@ void sphv_neighbourhood_free(sphv_neighbourhood *neighbourhood)
     free(neighbourhood->s);
     free(neighbourhood->volume);
     free(neighbourhood->centroid);
+    free(neighbourhood->value);
+    free(neighbourhood->slope);
     *neighbourhood = (sphv_neighbourhood){0};
 }
 
 static sphv_status reserve(sphv_neighbourhood *out, long count)
 {
+    double **const arrays[] = {&out->s, &out->volume, &out->centroid, &out->value, &out->slope};
     if (count <= out->capacity) return SPHV_OK;
-    double *s = realloc(out->s, (size_t)count * sizeof *s);
-    if (s) out->s = s;
-    double *volume = realloc(out->volume, (size_t)count * sizeof *volume);
-    if (volume) out->volume = volume;
-    double *centroid = realloc(out->centroid, (size_t)count * sizeof *centroid);
-    if (centroid) out->centroid = centroid;
-    if (!s || !volume || !centroid) return SPHV_RESOURCE_FAILURE;
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++) {
+        double *larger = realloc(*arrays[i], (size_t)count * sizeof *larger);
+        if (!larger) return SPHV_RESOURCE_FAILURE;
+        *arrays[i] = larger;
+    }
     out->capacity = (int)count;
     return SPHV_OK;
 }
@@ -213,6 +214,16 @@ static void trim(const sphv_experiment *of, sphv_neighbourhood *out)
     out->self = self;
 }
 
+static void evaluate_kernel(const sphv_experiment *of, sphv_neighbourhood *out)
+{
+    for (int b = 0; b < out->count; b++) {
+        sphv_result all[3];
+        sphv_profile_values(of->profile, fabs(out->s[b]), all);
+        out->value[b] = all[0].value;
+        out->slope[b] = out->s[b] < 0 ? -all[1].value : out->s[b] > 0 ? all[1].value : 0;
+    }
+}
+
 sphv_status sphv_cloud_neighbourhood(const sphv_cloud *cloud, long index, sphv_neighbourhood *out)
 {
     const sphv_experiment *of = cloud->experiment;
@@ -224,5 +235,6 @@ sphv_status sphv_cloud_neighbourhood(const sphv_cloud *cloud, long index, sphv_n
     if (status != SPHV_OK) return status;
     assign_volumes(of, out);
     trim(of, out);
+    evaluate_kernel(of, out);
     return SPHV_OK;
 }
