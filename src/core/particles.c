@@ -30,23 +30,33 @@ const sphv_name_row sphv_volumes[] = {
     {NULL, NULL},
 };
 
-static const char *name_at(const void *table, size_t row_size, int i)
+static const char *method_name(int i)
 {
-    return *(const char *const *)((const char *)table + (size_t)i * row_size);
+    return sphv_methods[i].name;
 }
 
-static sphv_status parse(const void *table, size_t row_size, const char *kind, const char *name,
+static const char *layout_name(int i)
+{
+    return sphv_layouts[i].name;
+}
+
+static const char *volume_name(int i)
+{
+    return sphv_volumes[i].name;
+}
+
+static sphv_status parse(const char *(*name_at)(int i), const char *kind, const char *name,
                          int *out, sphv_error *error)
 {
     char allowed[256] = "";
     size_t used = 0;
-    for (int i = 0; name_at(table, row_size, i); i++) {
-        const char *row = name_at(table, row_size, i);
-        if (strcmp(row, name) == 0) {
+    for (int i = 0; name_at(i); i++) {
+        if (strcmp(name_at(i), name) == 0) {
             *out = i;
             return SPHV_OK;
         }
-        used += (size_t)snprintf(allowed + used, sizeof allowed - used, "%s%s", i ? ", " : "", row);
+        used += (size_t)snprintf(allowed + used, sizeof allowed - used, "%s%s", i ? ", " : "",
+                                 name_at(i));
     }
     return sphv_fail(error, SPHV_INVALID_INPUT, "unknown %s '%.60s'; allowed: %s", kind, name,
                      allowed);
@@ -55,7 +65,7 @@ static sphv_status parse(const void *table, size_t row_size, const char *kind, c
 sphv_status sphv_method_parse(const char *name, sphv_method *out, sphv_error *error)
 {
     int index = 0;
-    sphv_status status = parse(sphv_methods, sizeof *sphv_methods, "method", name, &index, error);
+    sphv_status status = parse(method_name, "method", name, &index, error);
     if (status == SPHV_OK) *out = (sphv_method)index;
     return status;
 }
@@ -63,7 +73,7 @@ sphv_status sphv_method_parse(const char *name, sphv_method *out, sphv_error *er
 sphv_status sphv_layout_parse(const char *name, sphv_layout *out, sphv_error *error)
 {
     int index = 0;
-    sphv_status status = parse(sphv_layouts, sizeof *sphv_layouts, "layout", name, &index, error);
+    sphv_status status = parse(layout_name, "layout", name, &index, error);
     if (status == SPHV_OK) *out = (sphv_layout)index;
     return status;
 }
@@ -71,8 +81,7 @@ sphv_status sphv_layout_parse(const char *name, sphv_layout *out, sphv_error *er
 sphv_status sphv_volume_parse(const char *name, sphv_volume *out, sphv_error *error)
 {
     int index = 0;
-    sphv_status status =
-        parse(sphv_volumes, sizeof *sphv_volumes, "volume rule", name, &index, error);
+    sphv_status status = parse(volume_name, "volume rule", name, &index, error);
     if (status == SPHV_OK) *out = (sphv_volume)index;
     return status;
 }
