@@ -14,6 +14,10 @@ typedef struct sphv_sums {
     double covariance[SPHV_SUMS_MAX][SPHV_SUMS_MAX];
 } sphv_sums;
 
+/// Where the support ends: without a perturbation a particle can stand on the edge itself, where W
+/// = 0 already, and rounding of its place must not decide that.
+double sphv_disorder_reach(const sphv_experiment *experiment);
+
 /// How many sums a method needs.
 int sphv_sums_count(sphv_method method);
 

@@ -16,13 +16,14 @@ struct stage {
 
 static double kernel(const struct stage *stage, double s)
 {
+    if (!(fabs(s) < sphv_disorder_reach(stage->of))) return 0;
     return sphv_profile_derivative(stage->of->profile, 0, fabs(s)).value;
 }
 
 static void summand_at(const struct stage *stage, double s, double *z)
 {
     memset(z, 0, SPHV_SUMS_MAX * sizeof *z);
-    if (fabs(s) < stage->of->profile->support)
+    if (fabs(s) < sphv_disorder_reach(stage->of))
         sphv_sums_summand(stage->of->method, stage->of->profile, stage->K, stage->phase, s, z);
 }
 

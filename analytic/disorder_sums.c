@@ -8,6 +8,11 @@ static int order_of(sphv_method method)
     return method == SPHV_RKPM ? 1 : method == SPHV_RKPM_2 ? 2 : 0;
 }
 
+double sphv_disorder_reach(const sphv_experiment *experiment)
+{
+    return experiment->profile->support * (experiment->sigma == 0 ? 1 - 1e-12 : 1);
+}
+
 int sphv_sums_count(sphv_method method)
 {
     int order = order_of(method);
@@ -68,23 +73,33 @@ void sphv_sums_summand(sphv_method method, const sphv_profile *profile, double K
     for (int k = 0; k <= order; k++) z[n++] = t * g * gsl_pow_int(s, k);
 }
 
-/// Solves a small symmetric positive definite system in place (Cholesky). NaN when it is none.
+/// Solves a small system in place by elimination with pivoting; not finite when it is singular.
+/// Kernels with negative parts can make the moment matrix indefinite.
 static void solve(int n, double m[3][3], double *x)
 {
-    double l[3][3] = {{0}};
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j <= i; j++) {
-            double sum = m[i][j];
-            for (int k = 0; k < j; k++) sum -= l[i][k] * l[j][k];
-            l[i][j] = i == j ? sqrt(sum) : sum / l[j][j];
+    double a[3][3];
+    memcpy(a, m, sizeof a);
+    for (int k = 0; k < n; k++) {
+        int pivot = k;
+        for (int i = k + 1; i < n; i++)
+            if (fabs(a[i][k]) > fabs(a[pivot][k])) pivot = i;
+        for (int j = 0; j < n; j++) {
+            double other = a[k][j];
+            a[k][j] = a[pivot][j];
+            a[pivot][j] = other;
         }
-    for (int i = 0; i < n; i++) {
-        for (int k = 0; k < i; k++) x[i] -= l[i][k] * x[k];
-        x[i] /= l[i][i];
+        double right = x[k];
+        x[k] = x[pivot];
+        x[pivot] = right;
+        for (int i = k + 1; i < n; i++) {
+            double factor = a[i][k] / a[k][k];
+            for (int j = k; j < n; j++) a[i][j] -= factor * a[k][j];
+            x[i] -= factor * x[k];
+        }
     }
     for (int i = n - 1; i >= 0; i--) {
-        for (int k = i + 1; k < n; k++) x[i] -= l[k][i] * x[k];
-        x[i] /= l[i][i];
+        for (int k = i + 1; k < n; k++) x[i] -= a[i][k] * x[k];
+        x[i] /= a[i][i];
     }
 }
 
@@ -162,12 +177,12 @@ static void expect(const sphv_experiment *of, double K, sphv_phase phase, double
     out->variance = deviation * deviation;
     if (fabs(position) - of->profile->support > deviation * fabs(nodes[0])) return;
     double middle[SPHV_SUMS_MAX] = {0}, shift[SPHV_SUMS_MAX] = {0};
-    if (fabs(position) < of->profile->support)
+    double reach = sphv_disorder_reach(of);
+    if (fabs(position) < reach)
         sphv_sums_summand(of->method, of->profile, K, phase, position, middle);
     for (int k = 0; k < node_count; k++) {
         double z[SPHV_SUMS_MAX] = {0}, away = deviation * nodes[k], y = position + away;
-        if (fabs(y) < of->profile->support)
-            sphv_sums_summand(of->method, of->profile, K, phase, y, z);
+        if (fabs(y) < reach) sphv_sums_summand(of->method, of->profile, K, phase, y, z);
         for (int i = 0; i < n; i++) {
             z[i] -= middle[i];
             shift[i] += weights[k] * z[i];

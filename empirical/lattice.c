@@ -128,10 +128,10 @@ sphv_status sphv_measure_lattice_exhaustive(const sphv_profile *profile, double 
     double start = now(), step = h * spacing.value;
     long inside = sphv_number_place(profile->support_exact, spacing).inside;
     double wanted = ceil(1 / step);
-    if (wanted * (double)inside > 1e11)
+    if (wanted * ((double)inside + 16) > 2e9)
         return sphv_fail(error, SPHV_INVALID_INPUT,
                          "%.3g particles with %ld neighbours each are too many to evaluate one by "
-                         "one; allowed: 1e11 pairs, or one particle without --exhaustive",
+                         "one; allowed: 2e9 pairs, or one particle without --exhaustive",
                          wanted, 2 * inside);
     long count = (long)wanted, chunks = (count + CHUNK - 1) / CHUNK, done = 0;
     struct partial *partials = calloc((size_t)chunks, sizeof *partials);

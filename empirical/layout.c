@@ -163,10 +163,18 @@ static sphv_status gather(const sphv_cloud *cloud, long index, double radius,
     return SPHV_OK;
 }
 
+/// Where the support ends. On an unperturbed lattice a particle can stand on the edge itself, where
+/// W = 0 already; rounding of its distance must not decide that.
+static double reach_of(const sphv_experiment *of)
+{
+    bool exact = of->layout == SPHV_LATTICE || (of->layout == SPHV_PERTURBED && of->sigma == 0);
+    return of->profile->support * (exact ? 1 - 1e-12 : 1);
+}
+
 /// V_b = m/ρ_b with m/Δx = ρ_0: the sum over all particles within the support of b.
 static void density_volumes(const sphv_experiment *of, sphv_neighbourhood *out)
 {
-    double support = of->profile->support;
+    double support = reach_of(of);
     int low = 0, high = 0;
     for (int b = 0; b < out->count; b++) {
         double sum = 0;
@@ -204,7 +212,7 @@ static void trim(const sphv_experiment *of, sphv_neighbourhood *out)
 {
     int kept = 0, self = 0;
     for (int b = 0; b < out->count; b++) {
-        if (!(fabs(out->s[b]) < of->profile->support)) continue;
+        if (!(fabs(out->s[b]) < reach_of(of))) continue;
         if (b == out->self) self = kept;
         out->s[kept] = out->s[b];
         out->centroid[kept] = out->centroid[b];

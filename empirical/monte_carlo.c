@@ -150,7 +150,9 @@ static void collect(const struct realisation *found, int count, double h,
     // Rounding, which alone is left on a lattice: n + 16 operations on terms that sum to less
     // than 4.
     double neighbours = out->particles ? (double)out->pairs / (double)out->particles : 0;
-    double rounding = (neighbours + 16) * 4 * SPHV_U * (1 + 1 / (2 * M_PI * h));
+    // The inverse of the moment matrix magnifies it by the condition number.
+    double condition = isfinite(out->worst_condition) ? out->worst_condition : 1;
+    double rounding = (neighbours + 16) * 4 * SPHV_U * (1 + 1 / (2 * M_PI * h)) * condition;
     double chance = out->l2.value > 0 ? out->mean_square.bound / (2 * out->l2.value)
                                       : sqrt(out->mean_square.bound);
     out->l2.bound = chance + rounding;

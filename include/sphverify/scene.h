@@ -104,6 +104,7 @@ typedef struct sphv_claim_measure {
     const char *name;
     const char *meaning;
     bool needs_reference;
+    bool plain_only; ///< of signed errors or the paper's form: has no meaning for L2 norms
     /// Measures one half.
     /// \param empirical false: the prediction; true: the measurement
     double (*measure)(const sphv_scene_result *result, const sphv_claim *claim, bool empirical);

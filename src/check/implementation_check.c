@@ -89,9 +89,14 @@ static sphv_status check_shape(sphv_examination *of, const sphv_implementation_d
         worst = excess;
         at = probe;
     }
-    sphv_check_claim(
-        result, "%s of the library, at h = 1, is the file's at %zu places; the worst at q = %.10g",
-        which ? "dW/dr" : "W", places, at ? at->q : NAN);
+    if (at)
+        sphv_check_claim(
+            result,
+            "%s of the library, at h = 1, is the file's at %zu places; the worst at q = %.10g",
+            which ? "dW/dr" : "W", places, at->q);
+    else
+        sphv_check_claim(result, "%s of the library, at h = 1, is the file's at %zu places",
+                         which ? "dW/dr" : "W", places);
     if (!at) {
         result->verdict = SPHV_INCONCLUSIVE; // nothing finite to compare
         return SPHV_OK;
@@ -208,6 +213,7 @@ static sphv_status check_truncation(sphv_examination *of, const sphv_implementat
         if (status != SPHV_OK) return status;
         sphv_result measured = measure(data, point);
         double bound = theory.total.bound + measured.bound;
+        if (!isfinite(bound)) bound = INFINITY;
         double excess = fabs(measured.value - theory.total.value) / bound;
         if (!isnan(excess) && !(excess > worst)) continue;
         worst = isnan(excess) ? INFINITY : excess;

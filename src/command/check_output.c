@@ -42,7 +42,7 @@ static void put_padded(FILE *stream, const char *text, int width)
 static void put_number(FILE *stream, double value)
 {
     char text[SPHV_NUMBER_TEXT] = "-";
-    if (isfinite(value)) snprintf(text, sizeof text, "%.12g", value);
+    if (isfinite(value)) snprintf(text, sizeof text, "%.12g", value == 0 ? 0 : value);
     fprintf(stream, "%20s", text);
 }
 
@@ -71,6 +71,10 @@ static void put_cause(FILE *stream, const sphv_check_report *report,
         *known = '\0';
         if (known - text >= 2) known[-2] = '\0'; // the "; " before it
     }
+    // Where both halves agree with each other and not with the file, its number is the news.
+    bool differs = result->verdict == SPHV_DISAGREES && isfinite(result->claimed) &&
+                   result->claimed != result->analytic;
+    if (differs) fprintf(stream, "\n  %-12s  -> the file says %.12g", "", result->claimed);
     if (!*text) return;
     fprintf(stream, "\n  %-12s  %s ", "", result->verdict == SPHV_AGREES ? "note:" : "->");
     put_padded(stream, text, 0);

@@ -151,10 +151,10 @@ static void print_statistics(const sphv_error_question *of, const sphv_point *po
            measured->particles, measured->pairs, measured->seconds);
     long faults = measured->singular + measured->ill_conditioned + measured->not_finite;
     if (faults)
-        printf("left out: %ld singular, %ld ill-conditioned, %ld not finite (worst condition "
-               "number %.2e)\n",
-               measured->singular, measured->ill_conditioned, measured->not_finite,
-               measured->worst_condition);
+        printf("left out: %ld singular, %ld ill-conditioned, %ld not finite\n", measured->singular,
+               measured->ill_conditioned, measured->not_finite);
+    if (isfinite(measured->worst_condition) && measured->worst_condition > 1)
+        printf("worst condition number %.2e\n", measured->worst_condition);
     if (has_closed_form(experiment)) print_closed_form(experiment, measured);
     if (terms) print_terms(terms);
     if (predicted)
@@ -163,7 +163,8 @@ static void print_statistics(const sphv_error_question *of, const sphv_point *po
                point->analytic.l2.bound + measured->l2.bound,
                sphv_rigour_name(point->analytic.rigour));
     else
-        printf("\n%s: no theory for layout '%s'\n", sphv_verdict_name(point->verdict),
+        printf("\n%s: no finite prediction for method '%s' on layout '%s'\n",
+               sphv_verdict_name(point->verdict), sphv_methods[experiment->method].name,
                sphv_layouts[experiment->layout].name);
 }
 

@@ -140,8 +140,9 @@ static int run(const sphv_arguments *arguments)
     bool plots_missing = false;
     if (!directory) directory = "report";
     clock_gettime(CLOCK_MONOTONIC, &start);
-    sphv_status status =
-        sphv_file_list_read(arguments->data_directory, "scenes", ".yaml", &files, &error);
+    sphv_status status = sphv_output_check(directory, &error);
+    if (status == SPHV_OK)
+        status = sphv_file_list_read(arguments->data_directory, "scenes", ".yaml", &files, &error);
     if (status == SPHV_OK) {
         scenes = calloc(files.count + 1, sizeof(sphv_scene *));
         status = scenes ? run_kernels(arguments, &catalogue, &report, &error)

@@ -20,7 +20,10 @@ static void print_claim(const sphv_claim *claim, const sphv_claim_result *found)
     printf("  %-12s  %s: expected %.6g ± %.2g", "", claim->measure->name, claim->expected,
            claim->tolerance);
     if (isfinite(found->analytic)) printf(", theory %.6g", found->analytic);
-    printf(", measured %.6g\n", found->empirical);
+    if (isfinite(found->empirical))
+        printf(", measured %.6g\n", found->empirical);
+    else
+        printf(", too few points to measure\n");
     if (claim->refuted) printf("  %-12s  why it fails: %s\n", "", claim->refuted);
     if (found->surprising && claim->refuted) printf("  %-12s  yet it holds here\n", "");
 }
@@ -113,7 +116,12 @@ static int run_scene(const sphv_arguments *arguments, const char *name, json_t *
     int exit_status = status == SPHV_OK ? 0 : sphv_report_failure(arguments, &error);
     if (result) {
         json_array_append_new(all, sphv_scene_json(result));
-        if (arguments->format == SPHV_FORMAT_TEXT) print_text(result);
+        if (arguments->format == SPHV_FORMAT_TEXT) {
+            print_text(result);
+            if (status == SPHV_OK)
+                printf("written: %s/%s.csv%s\n", directory, scene->name,
+                       sphv_argument(arguments, "no-plot") ? "" : " and .svg");
+        }
         exit_status = worse(exit_status, sphv_verdict_exit(result->verdict));
     }
     sphv_scene_result_free(result);
@@ -142,6 +150,10 @@ static json_t *claim_rows(const json_t *all)
 
 static int run(const sphv_arguments *arguments)
 {
+    const char *directory = sphv_argument(arguments, "output");
+    sphv_error error;
+    if (sphv_output_check(directory ? directory : ".", &error) != SPHV_OK)
+        return sphv_report_failure(arguments, &error);
     json_t *all = json_array();
     int status = 0;
     for (int i = 0; i < arguments->operand_count; i++) {

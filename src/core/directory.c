@@ -28,9 +28,14 @@ static char *join(const char *directory, const char *folder, const char *name, c
     return path;
 }
 
+/// By name without the ending: `gaussian` before `gaussian-wide`.
 static int by_name(const void *a, const void *b)
 {
-    return strcmp(*(char *const *)a, *(char *const *)b);
+    const char *p = *(char *const *)a, *q = *(char *const *)b;
+    size_t i = 0, p_end = (size_t)(strrchr(p, '.') - p), q_end = (size_t)(strrchr(q, '.') - q);
+    while (i < p_end && i < q_end && p[i] == q[i]) i++;
+    if (i == p_end || i == q_end) return (p_end > q_end) - (p_end < q_end);
+    return (unsigned char)p[i] - (unsigned char)q[i];
 }
 
 void sphv_file_list_free(sphv_file_list *list)

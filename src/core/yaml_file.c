@@ -1,14 +1,17 @@
 #include "yaml_file.h"
 
 #include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 #include <yaml.h>
 
-enum { FILE_LIMIT = 1 << 20, DEPTH_LIMIT = 16 };
+enum { PIPE_PATIENCE = 3000, FILE_LIMIT = 1 << 20, DEPTH_LIMIT = 16 };
 
 struct sphv_yaml {
     char *path;
@@ -35,9 +38,29 @@ static void cyaml_settings(cyaml_config_t *config, char *message)
                                .flags = CYAML_CFG_NO_ALIAS};
 }
 
+/// Opens without waiting for a writer; a pipe must have something to say within some seconds.
+static FILE *open_file(const char *path)
+{
+    struct stat about;
+    int descriptor = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    if (descriptor < 0) return NULL;
+    if (fstat(descriptor, &about) == 0 && S_ISFIFO(about.st_mode)) {
+        struct pollfd pipe = {descriptor, POLLIN, 0};
+        if (poll(&pipe, 1, PIPE_PATIENCE) <= 0) {
+            close(descriptor);
+            errno = ETIMEDOUT;
+            return NULL;
+        }
+    }
+    fcntl(descriptor, F_SETFL, fcntl(descriptor, F_GETFL) & ~O_NONBLOCK);
+    FILE *file = fdopen(descriptor, "rb");
+    if (!file) close(descriptor);
+    return file;
+}
+
 static sphv_status read_file(sphv_yaml *yaml, sphv_error *error)
 {
-    FILE *file = fopen(yaml->path, "rb");
+    FILE *file = open_file(yaml->path);
     if (!file)
         return sphv_fail(error, SPHV_INVALID_INPUT, "%s: cannot be opened: %s", yaml->path,
                          strerror(errno));
@@ -245,8 +268,8 @@ static sphv_status check_scalar(sphv_yaml *yaml, const yaml_node_t *node,
         if (end == text || *end || errno || value > 1000000 || value < -1000000 ||
             (schema->type == CYAML_UINT && value < 0))
             return sphv_fail(error, SPHV_INVALID_INPUT,
-                             "%s:%u: '%s' is '%.40s'; allowed: an integer", yaml->path,
-                             line_of(node), name, text);
+                             "%s:%u: '%s' is '%.40s'; allowed: an integer of up to 1000000",
+                             yaml->path, line_of(node), name, text);
     } else if (schema->type == CYAML_BOOL) {
         if (strcmp(text, "true") != 0 && strcmp(text, "false") != 0)
             return sphv_fail(error, SPHV_INVALID_INPUT,

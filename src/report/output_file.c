@@ -128,6 +128,14 @@ static void sync_directory(const char *path)
     free(directory);
 }
 
+sphv_status sphv_output_check(const char *directory, sphv_error *error)
+{
+    sphv_output_file probe;
+    sphv_status status = sphv_output_open(directory, "sphverify", &probe, error);
+    sphv_output_discard(&probe);
+    return status;
+}
+
 sphv_status sphv_output_commit(sphv_output_file *file, sphv_error *error)
 {
     int reason = 0;

@@ -148,18 +148,19 @@ static double failures(const sphv_scene_result *result, const sphv_claim *claim,
 }
 
 const sphv_claim_measure sphv_claim_measures[] = {
-    {"slope", "least-squares slope of log|E| against the logarithm of the abscissa", false, slope},
-    {"slope-difference", "slope of the curve less that of the reference curve", true,
+    {"slope", "least-squares slope of log|E| against the logarithm of the abscissa", false, false,
+     slope},
+    {"slope-difference", "slope of the curve less that of the reference curve", true, false,
      slope_difference},
-    {"ratio", "geometric mean of |E| over that of the reference curve", true, ratio},
-    {"difference", "largest difference from the reference curve", true, difference},
-    {"sign-changes", "number of sign changes of E along the curve", false, sign_changes},
-    {"value", "value at the start of the range", false, value},
-    {"paper-agreement", "part of the special points at which the paper's form agrees", false,
+    {"ratio", "geometric mean of |E| over that of the reference curve", true, false, ratio},
+    {"difference", "largest difference from the reference curve", true, false, difference},
+    {"sign-changes", "number of sign changes of E along the curve", false, true, sign_changes},
+    {"value", "value at the start of the range", false, false, value},
+    {"paper-agreement", "part of the special points at which the paper's form agrees", false, true,
      paper_agreement},
     {"failures", "part of the estimates left out: singular, ill-conditioned or not finite", false,
-     failures},
-    {NULL, NULL, false, NULL},
+     false, failures},
+    {NULL, NULL, false, false, NULL},
 };
 
 sphv_claim_result sphv_claim_judge(const sphv_scene_result *result, const sphv_claim *claim)

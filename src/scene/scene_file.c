@@ -156,6 +156,11 @@ static sphv_status read_measure(const struct sphv_scene_reader *of, unsigned ind
     if (claim->measure->needs_reference != (file->reference != NULL))
         return sphv_yaml_fail(of->yaml, place, of->error, "measure '%s' %s a 'reference' curve",
                               file->measure, file->reference ? "takes no" : "needs");
+    if (claim->measure->plain_only && of->scene->statistical)
+        return sphv_yaml_fail(of->yaml, place, of->error,
+                              "measure '%s' in a scene of L2 norms; allowed: where every curve is "
+                              "standard SPH on a lattice",
+                              file->measure);
     claim->has_reference = file->reference != NULL;
     sphv_status status = find_curve(of, index, "curve", file->curve, &claim->curve);
     if (status == SPHV_OK && file->reference)
@@ -195,6 +200,14 @@ static sphv_status read_claim(const struct sphv_scene_reader *of, unsigned index
         status = read_claim_number(of, index, "expected", file->expected, 0, &claim->expected);
     if (status == SPHV_OK)
         status = read_claim_number(of, index, "tolerance", file->tolerance, 0, &claim->tolerance);
+    if (status == SPHV_OK &&
+        (claim->from > claim->to || claim->from > of->scene->to || claim->to < of->scene->from)) {
+        char place[64];
+        snprintf(place, sizeof place, "claims.%u.%s", index, file->from ? "from" : "to");
+        status = sphv_yaml_fail(of->yaml, place, of->error,
+                                "no point from %g to %g; allowed: a part of the abscissa, %g to %g",
+                                claim->from, claim->to, of->scene->from, of->scene->to);
+    }
     if (status == SPHV_OK && claim->tolerance < 0) {
         char place[64];
         snprintf(place, sizeof place, "claims.%u.tolerance", index);
