@@ -18,7 +18,8 @@ typedef struct sphv_output_file {
 /// Opens directory/name for writing; makes the directory when it is missing.
 sphv_status sphv_output_open(const char *directory, const char *name, sphv_output_file *out,
                              sphv_error *error) SPHV_MUST_CHECK;
-/// Whether files can be written to a directory, made if it is missing: to be asked before long work.
+/// Whether files can be written to a directory, made if it is missing: to be asked before long
+/// work.
 sphv_status sphv_output_check(const char *directory, sphv_error *error) SPHV_MUST_CHECK;
 
 /// Flushes to disk, checks, and renames to the final name; removes the temporary on failure.
