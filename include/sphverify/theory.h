@@ -102,8 +102,10 @@ sphv_result sphv_periodic_bernoulli(int p, double fraction, int modes);
 ///
 /// A method's estimate is a function of a few sums Σ_b z(x_b − x_a) V_b. For volumes Δx and
 /// tessellated ones their means and covariances over the perturbations are exact (each summand
-/// depends on one or three of them), for density volumes to first order in σ (noise response); the
-/// function is then averaged to second order in the sums' fluctuations.
+/// depends on one or three of them); for density volumes they are the main effects of each
+/// particle's perturbation, exact to second order in σ for the mean and to first for the
+/// covariance, and the bound is an estimate. The function is then averaged to second order in the
+/// sums' fluctuations.
 /// \return SPHV_NO_CLOSED_FORM for random and quasi-random layouts
 sphv_status sphv_predict_disorder(const sphv_experiment *experiment, sphv_prediction *out,
                                   sphv_error *error) SPHV_MUST_CHECK;
