@@ -1,0 +1,41 @@
+/// \file boundary.h
+/// The analytic half in a box: what truncated supports do to each method.
+///
+/// Near an edge the support is cut, the odd moments of the kernel no longer vanish, and the leading
+/// error of a method changes its order. The estimate at a particle is a functional of the field;
+/// expanded in Taylor series it is Σ_α h^|α| ∂^αA/α! times a quotient of truncated moments. Here
+/// those moments are closed forms or quadratures of the kernel, never sums over a box's particles.
+#ifndef SPHVERIFY_BOUNDARY_H
+#define SPHVERIFY_BOUNDARY_H
+
+#include "sphverify/box.h"
+#include "sphverify/field.h"
+#include "sphverify/theory.h"
+
+/// Moments over the support cut by the sides of a box, in units of h:
+/// moment[k][α] = ∫ p_k(|s|) s^α ds over {|s| < κ, s_i > −below_i, s_i < above_i}, with p_0 = Ŵ,
+/// p_1 = Ŵ′/q, p_2 = (Ŵ″ − Ŵ′/q)/q².
+/// \param below, above  distance to the sides in units of h; κ or more where a side is out of reach
+/// \param degree        highest |α|
+/// \param out           [k] receives sphv_monomial_count(d, degree) results each
+sphv_status sphv_truncated_moments(const sphv_profile *profile, const double *below,
+                                   const double *above, int degree, sphv_result *out[3],
+                                   sphv_error *error) SPHV_MUST_CHECK;
+
+/// A prediction of the root mean square error over the particles of a box.
+typedef struct sphv_box_prediction {
+    size_t quantities;
+    sphv_result rmse[SPHV_QUANTITIES_MAX];     ///< over all particles
+    sphv_result interior[SPHV_QUANTITIES_MAX]; ///< over those further than κh from every side
+    sphv_rigour rigour;
+    bool exists[SPHV_QUANTITIES_MAX]; ///< false where derivatives of the field are not integrable
+} sphv_box_prediction;
+
+/// Predicts the RMSE of a method over a lattice, or a perturbed lattice of small amplitude, in the
+/// unit box.
+/// \return SPHV_NO_CLOSED_FORM for layouts, volumes, methods or dimensions without a theory
+sphv_status sphv_predict_box(const sphv_box *box, const sphv_profile *profile, double h,
+                             sphv_method method, const sphv_field *field, sphv_box_prediction *out,
+                             sphv_error *error) SPHV_MUST_CHECK;
+
+#endif
