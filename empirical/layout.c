@@ -1,43 +1,12 @@
 #include "layout.h"
 
-#include <Random123/philox.h>
 #include <gsl/gsl_math.h>
 #include <gsl/gsl_qrng.h>
 #include <gsl/gsl_sort.h>
 #include <stdlib.h>
 
 #include "internal.h"
-
-/// No normal number of `sphv_normal` is larger: √(−2 ln 2⁻⁵³) = 8.57.
-static const double largest_normal = 8.6;
-
-static philox4x32_ctr_t philox(uint64_t seed, int realisation, long index)
-{
-    philox4x32_ctr_t counter = {{(uint32_t)(uint64_t)index, (uint32_t)((uint64_t)index >> 32),
-                                 (uint32_t)realisation, 0x53504856u}};
-    philox4x32_key_t key = {{(uint32_t)seed, (uint32_t)(seed >> 32)}};
-    return philox4x32(counter, key);
-}
-
-/// A number in (0, 1): 52 random bits, shifted by half a step so that 0 and 1 cannot occur.
-static double unit_interval(uint32_t high, uint32_t low)
-{
-    uint64_t bits = ((uint64_t)high << 32 | low) >> 12;
-    return ((double)bits + 0.5) * 0x1p-52;
-}
-
-double sphv_uniform(uint64_t seed, int realisation, long index)
-{
-    philox4x32_ctr_t random = philox(seed, realisation, index);
-    return unit_interval(random.v[0], random.v[1]);
-}
-
-double sphv_normal(uint64_t seed, int realisation, long index)
-{
-    philox4x32_ctr_t random = philox(seed, realisation, index);
-    return sqrt(-2 * log(unit_interval(random.v[0], random.v[1]))) *
-           cos(2 * M_PI * unit_interval(random.v[2], random.v[3]));
-}
+#include "random.h"
 
 /// Uniform or quasi-random positions of density 1/Δx on [−reach, 1 + reach), sorted.
 static sphv_status scatter(sphv_cloud *cloud, double reach, sphv_error *error)
@@ -147,7 +116,7 @@ static sphv_status gather(const sphv_cloud *cloud, long index, double radius,
         return SPHV_OK;
     }
     bool perturbed = of->layout == SPHV_PERTURBED && of->sigma > 0;
-    long margin = 1 + (perturbed ? (long)ceil(2 * largest_normal * of->sigma) : 0);
+    long margin = 1 + (perturbed ? (long)ceil(2 * SPHV_NORMAL_MAX * of->sigma) : 0);
     long side = (long)ceil(radius / spacing) + margin;
     if (reserve(out, 2 * side + 1) != SPHV_OK) return SPHV_RESOURCE_FAILURE;
     out->count = (int)(2 * side + 1);
@@ -195,6 +164,7 @@ static void assign_volumes(const sphv_experiment *of, sphv_neighbourhood *out)
     switch (of->volume) {
     case SPHV_VOLUME_LATTICE:
     case SPHV_VOLUME_UNIT:
+    case SPHV_VOLUME_EQUAL: // of boxes only: refused by sphv_experiment_check
         for (int b = 0; b < out->count; b++) out->volume[b] = of->spacing.value;
         break;
     case SPHV_VOLUME_TESSELLATED:

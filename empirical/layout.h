@@ -39,11 +39,4 @@ sphv_status sphv_cloud_neighbourhood(const sphv_cloud *cloud, long index,
                                      sphv_neighbourhood *out) SPHV_MUST_CHECK;
 void sphv_neighbourhood_free(sphv_neighbourhood *neighbourhood);
 
-/// A standard normal number that depends on (seed, realisation, index) alone: Philox4x32-10 and
-/// Box and Muller's transform. Its modulus is below 8.6.
-double sphv_normal(uint64_t seed, int realisation, long index);
-
-/// The same, uniform on (0, 1).
-double sphv_uniform(uint64_t seed, int realisation, long index);
-
 #endif

@@ -31,6 +31,7 @@ typedef enum sphv_volume {
     SPHV_VOLUME_TESSELLATED, ///< (x_{b+1} − x_{b−1})/2 between neighbours in order
     SPHV_VOLUME_DENSITY,     ///< m/ρ_b, ρ_b = Σ m W
     SPHV_VOLUME_UNIT,        ///< 1
+    SPHV_VOLUME_EQUAL,       ///< volume of the box over the number of particles; boxes only
 } sphv_volume;
 
 /// A method: `consistency` is the highest degree of polynomial whose gradient is exact on any

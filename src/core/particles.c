@@ -27,6 +27,7 @@ const sphv_name_row sphv_volumes[] = {
     {"tessellated", "half the distance between both neighbours"},
     {"density", "mass over the summed density"},
     {"unit", "one"},
+    {"equal", "volume of the box over the number of particles"},
     {NULL, NULL},
 };
 
@@ -116,6 +117,10 @@ sphv_status sphv_experiment_check(const sphv_experiment *experiment, sphv_error 
                          "volume 'unit' with method '%s'; allowed: volume lattice, tessellated or "
                          "density, or a normalised method",
                          sphv_methods[experiment->method].name);
+    if (experiment->volume == SPHV_VOLUME_EQUAL)
+        return sphv_fail(error, SPHV_INVALID_INPUT,
+                         "volume 'equal' without a box: an endless line has no volume to share; "
+                         "allowed: lattice, tessellated, density, unit");
     if (!(experiment->width > 0) || experiment->realisations_min < 2 ||
         experiment->realisations_max < experiment->realisations_min)
         return sphv_fail(error, SPHV_INVALID_INPUT,

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "../../empirical/random.h"
 #include "support.h"
 
 #define U (DBL_EPSILON / 2)
