@@ -140,8 +140,9 @@ double sphv_sums_denominator(sphv_method method, const double *sums)
     case SPHV_RKPM_2:
         return w[0] * (w[2] * w[4] - w[3] * w[3]) - w[1] * (w[1] * w[4] - w[3] * w[2]) +
                w[2] * (w[1] * w[3] - w[2] * w[2]);
+    default:
+        return 1;
     }
-    return 1;
 }
 
 double sphv_sums_error(sphv_method method, double K, sphv_phase phase, const double *sums)

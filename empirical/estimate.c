@@ -159,6 +159,11 @@ sphv_estimate sphv_estimate_gradient(sphv_method method, const sphv_profile *pro
         return moving_least_squares(1, profile, around, field);
     case SPHV_RKPM_2:
         return moving_least_squares(2, profile, around, field);
+    case SPHV_SPH_DIFFERENCE:
+    case SPHV_CSPM:
+    case SPHV_FPM:
+    case SPHV_MSPH:
+        break;
     }
     return judge(NAN, INFINITY);
 }

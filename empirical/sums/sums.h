@@ -40,6 +40,9 @@ extern const sphv_sum_set sphv_sum_sets[SPHV_SUM_LEVELS];
 /// The lowest level that covers a method.
 sphv_sum_level sphv_method_level(sphv_method method);
 
+/// The lowest level that covers all methods of a request.
+sphv_sum_level sphv_request_level(const sphv_request *request);
+
 /// Where each sum of a level stands: moments first, then the sums of each field in turn. Within a
 /// radial function the order is that of the monomials.
 typedef struct sphv_sum_layout {
@@ -49,8 +52,10 @@ typedef struct sphv_sum_layout {
     int field_at[3];  ///< first field sum of each radial function, relative to the field's first
     int moments;      ///< number of moments
     int per_field;    ///< number of sums of one field
-    int size_at;      ///< Σ v|p_k| q^k of the radial functions k = 0, 1, 2 (for bounds)
-    int count;        ///< moments + 3 + fields × per_field
+    /// Σ v|p_k| q^m of the radial functions k = 0, 1, 2 (for bounds), m the lowest degree of the
+    /// level's moments of p_k; 0 where it has none.
+    int size_at;
+    int count;                                      ///< moments + 3 + fields × per_field
     int first_monomial[3], first_field_monomial[3]; ///< table index of the first monomial
 } sphv_sum_layout;
 
@@ -76,12 +81,18 @@ typedef struct sphv_sum_block {
     const size_t *particle;     ///< the particle each stands for
     const unsigned *neighbours; ///< within the support, itself included
     /// Relative error of each summand and of the accumulation: the sum Σ v p_k s^α δA is in error
-    /// by at most rounding[i] Σ v|p_k| q^k max|s^α/q^k δA|.
+    /// by at most rounding[i] Σ v|p_k| q^m max|s^α/q^m δA|, m the lowest degree as in `size_at`.
     const double *rounding;
+    /// Per field: |A_b − A_a| of any pair within the support is at most this; max A − min A serves.
+    const double *spread;
 } sphv_sum_block;
 
-/// Turns a block of sums into estimates: one method, every field.
+/// Turns a block of sums into estimates: one method, every field. A particle with a fault keeps its
+/// estimates when it is merely ill-conditioned, or isolated where no neighbour is needed
+/// (sphv_method_least); else they are 0. Where only some fields' estimates overflow the others are
+/// kept.
 /// \param values  A at the block's particles, values[f * stride + i]
+/// \param out     `rounding` is raised to the block's largest: each thread needs its own
 void sphv_solve_block(const sphv_sum_block *block, const sphv_request *request,
                       const double *values, sphv_method_estimates *out);
 

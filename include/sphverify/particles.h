@@ -7,14 +7,18 @@
 
 #include "sphverify/kernel.h"
 
-/// Estimates of the gradient; x_ba = x_b − x_a.
+/// Estimates of a field and its derivatives; equation numbers are Quinlan's (2006).
 typedef enum sphv_method {
-    SPHV_SPH,       ///< −Σ A_b W′ V_b (eq. 1)
-    SPHV_SHEPARD,   ///< derivative of ΣA_b W V_b/ΣW V_b
-    SPHV_BONET_LOK, ///< mixed correction, eqs. 27–28, denominator differentiated
+    SPHV_SPH,       ///< ΣA_b W V_b and −ΣA_b ∇W V_b (eq. 1)
+    SPHV_SHEPARD,   ///< ΣA_b W V_b/ΣW V_b and its derivative
+    SPHV_BONET_LOK, ///< Shepard's value; mixed correction, eqs. 27–28, denominator differentiated
     SPHV_RKPM,      ///< eq. 26: order 1
-    SPHV_RKPM_0,
-    SPHV_RKPM_2,
+    SPHV_RKPM_0,    ///< order 0: Shepard's
+    SPHV_RKPM_2,    ///< order 2
+    SPHV_SPH_DIFFERENCE, ///< ΣA_b W V_b and −Σ(A_b − A_a)∇W V_b
+    SPHV_CSPM, ///< Shepard's value; [Σ(x_b − x_a) ⊗ ∇W V_b] g = Σ(A_b − A_a)∇W V_b
+    SPHV_FPM,  ///< value and gradient from the tests W and ∂W of Taylor's series
+    SPHV_MSPH, ///< second derivatives too, from the tests W, ∂W and ∂²W
 } sphv_method;
 
 /// Where the particles are.
@@ -34,12 +38,14 @@ typedef enum sphv_volume {
     SPHV_VOLUME_EQUAL,       ///< volume of the box over the number of particles; boxes only
 } sphv_volume;
 
-/// A method: `consistency` is the highest degree of polynomial whose gradient is exact on any
-/// layout (−1: none), `unknowns` the size of the moment matrix.
+/// A method. On any layout polynomials of these degrees at most are exact; −1: not even constants.
 typedef struct sphv_method_row {
     const char *name;
-    int consistency, unknowns;
+    int consistency;               ///< degree of which every gradient is exact
+    int value_consistency;         ///< degree of which every value is exact
+    int unknowns[SPHV_DIMENSIONS]; ///< size of the moment matrix in 1, 2 and 3 dimensions; 0: none
     bool scale_free; ///< a common factor of all volumes cancels, so unit volumes make sense
+    bool second;     ///< gives second derivatives, exact to the degree of the gradient
     const char *reference;
 } sphv_method_row;
 
@@ -51,6 +57,13 @@ typedef struct sphv_name_row {
 extern const sphv_method_row sphv_methods[]; ///< indexed by sphv_method, ended by a NULL name
 extern const sphv_name_row sphv_layouts[];   ///< indexed by sphv_layout
 extern const sphv_name_row sphv_volumes[];   ///< indexed by sphv_volume
+
+/// Estimated quantities: value and gradient, 1 + d, with second derivatives (1 + d)(2 + d)/2.
+size_t sphv_method_quantities(sphv_method method, int dimension);
+
+/// Fewest particles within a support, itself included, that can have a regular moment matrix: as
+/// many as there are monomials that the gradient is exact for, and at least 1.
+size_t sphv_method_least(sphv_method method, int dimension);
 
 /// Reads a name; SPHV_INVALID_INPUT lists the allowed ones.
 sphv_status sphv_method_parse(const char *name, sphv_method *out,

@@ -5,14 +5,32 @@
 #include <string.h>
 
 const sphv_method_row sphv_methods[] = {
-    {"sph", -1, 0, false, "Quinlan, Basa and Lastiwka 2006, eq. 1"},
-    {"shepard", 0, 1, true, "Shepard 1968; eq. 27 differentiated"},
-    {"bonet-lok", 1, 1, true, "Bonet and Lok 1999; eqs. 27-28"},
-    {"rkpm", 1, 2, true, "Liu, Jun and Zhang 1995; eq. 26"},
-    {"rkpm-0", 0, 1, true, "Liu, Jun and Zhang 1995, order 0"},
-    {"rkpm-2", 2, 3, true, "Liu, Jun and Zhang 1995, order 2"},
-    {NULL, 0, 0, false, NULL},
+    {"sph", -1, -1, {0, 0, 0}, false, false, "Quinlan, Basa and Lastiwka 2006, eq. 1"},
+    {"shepard", 0, 0, {1, 1, 1}, true, false, "Shepard 1968; eq. 27 differentiated"},
+    {"bonet-lok", 1, 0, {1, 2, 3}, true, false, "Bonet and Lok 1999; eqs. 27-28"},
+    {"rkpm", 1, 1, {2, 3, 4}, true, false, "Liu, Jun and Zhang 1995; eq. 26"},
+    {"rkpm-0", 0, 0, {1, 1, 1}, true, false, "Liu, Jun and Zhang 1995, order 0"},
+    {"rkpm-2", 2, 2, {3, 6, 10}, true, false, "Liu, Jun and Zhang 1995, order 2"},
+    {"sph-difference", 0, -1, {0, 0, 0}, false, false, "Monaghan 1992"},
+    {"cspm", 1, 0, {1, 2, 3}, true, false, "Chen, Beraun and Jih 1999"},
+    {"fpm", 1, 1, {2, 3, 4}, true, false, "Liu and Liu 2006"},
+    {"msph", 2, 2, {3, 6, 10}, true, true, "Zhang and Batra 2004"},
+    {NULL, 0, 0, {0, 0, 0}, false, false, NULL},
 };
+
+size_t sphv_method_quantities(sphv_method method, int dimension)
+{
+    size_t gradient = (size_t)dimension + 1;
+    return sphv_methods[method].second ? gradient * (gradient + 1) / 2 : gradient;
+}
+
+size_t sphv_method_least(sphv_method method, int dimension)
+{
+    size_t count = 1; // binomial coefficient of d + consistency over d
+    for (int i = 1; i <= sphv_methods[method].consistency; i++)
+        count = count * (size_t)(dimension + i) / (size_t)i;
+    return count;
+}
 
 const sphv_name_row sphv_layouts[] = {
     {"lattice", "evenly spaced"},

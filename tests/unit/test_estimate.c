@@ -365,7 +365,7 @@ static void test_too_few_neighbours(void **state)
                 assert_true(estimate.condition <= 1 / sqrt(DBL_EPSILON));
             }
             // fewer particles, or all of them in one place, than unknowns leave no estimate
-            int unknowns = sphv_methods[method].unknowns;
+            int unknowns = sphv_methods[method].unknowns[0];
             if (method == SPHV_BONET_LOK) unknowns = 2;
             if (unknowns > 1 && (count < unknowns || kind == 1))
                 assert_true(estimate.fault != SPHV_ESTIMATE_SOUND);
