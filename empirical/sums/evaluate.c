@@ -1,0 +1,204 @@
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "../internal.h"
+#include "evaluation.h"
+
+static double now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static sphv_status check_numbers(const double *values, size_t count, const char *what, size_t which,
+                                 sphv_error *error)
+{
+    for (size_t i = 0; i < count; i++)
+        if (!isfinite(values[i]))
+            return sphv_fail(error, SPHV_INVALID_INPUT, "%s %zu of particle %zu is not finite",
+                             what, which, i);
+    return SPHV_OK;
+}
+
+/// The squares of lengths and h^d have to be normal numbers, else supports would be empty or cover
+/// everything.
+static bool representable(double h, double support, int dimension)
+{
+    double square = (support * h) * (support * h), volume = pow(h, dimension);
+    return isnormal(square) && isnormal(volume) && isnormal(1 / volume);
+}
+
+static sphv_status check(const sphv_particles *particles, const sphv_request *request,
+                         sphv_error *error)
+{
+    const sphv_profile *profile = request->profile;
+    if (!profile || profile->dimension != particles->dimension)
+        return sphv_fail(error, SPHV_INVALID_INPUT,
+                         "the kernel's profile and the particles differ in dimension");
+    if (!(request->h > 0) || !isfinite(request->h))
+        return sphv_fail(error, SPHV_INVALID_INPUT,
+                         "the smoothing length is %g; it must be positive and finite", request->h);
+    if (!representable(request->h, profile->support, particles->dimension))
+        return sphv_fail(error, SPHV_INVALID_INPUT,
+                         "the smoothing length %g is too extreme: its square or its inverse volume "
+                         "is out of range",
+                         request->h);
+    if (particles->periodic && !(profile->support * request->h < 0.5))
+        return sphv_fail(error, SPHV_INVALID_INPUT,
+                         "a support radius of %g reaches half-way round the periodic box; it must "
+                         "be below 1/2",
+                         profile->support * request->h);
+    for (size_t m = 0; m < request->method_count; m++)
+        if ((int)request->methods[m] < 0 || sphv_method_level(request->methods[m]) < 0 ||
+            sphv_method_level(request->methods[m]) >= SPHV_SUM_LEVELS)
+            return sphv_fail(error, SPHV_INVALID_INPUT, "method %d does not exist",
+                             (int)request->methods[m]);
+    sphv_status status = SPHV_OK;
+    for (int i = 0; status == SPHV_OK && i < particles->dimension; i++)
+        status =
+            check_numbers(particles->x[i], particles->count, "coordinate", (size_t)i + 1, error);
+    if (status == SPHV_OK)
+        status = check_numbers(particles->volume, particles->count, "volume", 1, error);
+    for (size_t f = 0; status == SPHV_OK && f < request->field_count; f++)
+        status = check_numbers(request->fields[f], particles->count, "field", f + 1, error);
+    return status;
+}
+
+/// Whether the degrees `needed` are among `given`.
+static bool among(sphv_degrees needed, sphv_degrees given)
+{
+    return needed.from > needed.to || (given.from <= needed.from && needed.to <= given.to);
+}
+
+static bool covers(sphv_sum_level level, sphv_sum_level needed)
+{
+    const sphv_sum_set *given = &sphv_sum_sets[level], *asked = &sphv_sum_sets[needed];
+    for (int k = 0; k < 3; k++)
+        if (!among(asked->moment[k], given->moment[k]) || !among(asked->field[k], given->field[k]))
+            return false;
+    return true;
+}
+
+/// The lowest level that covers all methods asked for.
+static sphv_sum_level level_of(const sphv_request *request)
+{
+    sphv_sum_level level = SPHV_SUMS_STANDARD;
+    for (size_t m = 0; m < request->method_count; m++)
+        while (level < SPHV_SUMS_ALL && !covers(level, sphv_method_level(request->methods[m])))
+            level++;
+    // A later method may have moved on to a level that lacks what an earlier one needs.
+    for (size_t m = 0; m < request->method_count; m++)
+        if (!covers(level, sphv_method_level(request->methods[m]))) level = SPHV_SUMS_ALL;
+    return level;
+}
+
+static void *allocate(size_t count, size_t size)
+{
+    return calloc(count ? count : 1, size);
+}
+
+static bool make_method(sphv_method_estimates *out, sphv_method method, int dimension,
+                        size_t fields, size_t count)
+{
+    size_t d = (size_t)dimension;
+    bool second = sphv_method_level(method) == SPHV_SUMS_SECOND;
+    out->method = method;
+    out->quantities = second ? (1 + d) * (2 + d) / 2 : 1 + d;
+    size_t arrays = fields * out->quantities;
+    out->condition = allocate(count, sizeof *out->condition);
+    out->fault = allocate(count, sizeof *out->fault);
+    out->rounding = allocate(arrays, sizeof *out->rounding);
+    out->estimate = allocate(arrays, sizeof *out->estimate);
+    bool enough = out->condition && out->fault && out->rounding && out->estimate;
+    for (size_t a = 0; enough && a < arrays; a++)
+        enough = (out->estimate[a] = allocate(count, sizeof **out->estimate)) != NULL;
+    return enough;
+}
+
+static bool make_estimates(sphv_estimates *out, const sphv_request *request, int dimension,
+                           size_t count)
+{
+    *out = (sphv_estimates){.count = count, .field_count = request->field_count};
+    out->neighbours = allocate(count, sizeof *out->neighbours);
+    out->methods = allocate(request->method_count, sizeof *out->methods);
+    bool enough = out->neighbours && out->methods;
+    for (size_t m = 0; enough && m < request->method_count; m++) {
+        out->method_count = m + 1;
+        enough = make_method(&out->methods[m], request->methods[m], dimension, request->field_count,
+                             count);
+    }
+    return enough;
+}
+
+void sphv_estimates_free(sphv_estimates *estimates)
+{
+    for (size_t m = 0; m < estimates->method_count; m++) {
+        sphv_method_estimates *method = &estimates->methods[m];
+        for (size_t a = 0; method->estimate && a < estimates->field_count * method->quantities; a++)
+            free(method->estimate[a]);
+        free(method->estimate);
+        free(method->condition);
+        free(method->fault);
+        free(method->rounding);
+    }
+    free(estimates->methods);
+    free(estimates->neighbours);
+    *estimates = (sphv_estimates){0};
+}
+
+double sphv_summand_rounding(const sphv_sum_layout *layout)
+{
+    const sphv_sum_set *set = &sphv_sum_sets[layout->level];
+    int degree = 0;
+    for (int k = 0; k < 3; k++) {
+        if (set->moment[k].to > degree) degree = set->moment[k].to;
+        if (set->field[k].to > degree) degree = set->field[k].to;
+    }
+    // V/h^d: 4; δA: 1; products: 2; and per power of s: difference, division and product.
+    return (SPHV_RADIAL_ERROR + 8 + 3 * degree) * SPHV_U;
+}
+
+sphv_status sphv_estimate_particles(const sphv_particles *particles, const sphv_request *request,
+                                    sphv_progress progress, void *context, sphv_estimates *out,
+                                    sphv_error *error)
+{
+    double start = now();
+    *out = (sphv_estimates){0};
+    sphv_status status = check(particles, request, error);
+    if (status != SPHV_OK) return status;
+    sphv_evaluation evaluation = {
+        .particles = particles,
+        .request = request,
+        .layout = sphv_sum_layout_make(particles->dimension, level_of(request),
+                                       (int)request->field_count),
+        .progress = progress,
+        .context = context,
+        .out = out,
+    };
+    if (!make_estimates(out, request, particles->dimension, particles->count)) {
+        sphv_estimates_free(out);
+        return sphv_fail(error, SPHV_RESOURCE_FAILURE,
+                         "out of memory for the estimates of %zu particles", particles->count);
+    }
+    switch (request->route) {
+    case SPHV_ROUTE_BRUTE_FORCE:
+        out->route = SPHV_ROUTE_BRUTE_FORCE;
+        status = sphv_evaluate_brute_force(&evaluation, error);
+        break;
+    case SPHV_ROUTE_AUTOMATIC:
+    case SPHV_ROUTE_DIRECT:
+        out->route = SPHV_ROUTE_BRUTE_FORCE;
+        status = sphv_evaluate_brute_force(&evaluation, error);
+        break;
+    default:
+        status = sphv_fail(error, SPHV_INVALID_INPUT, "route %d does not exist for such particles",
+                           (int)request->route);
+    }
+    if (status != SPHV_OK) sphv_estimates_free(out);
+    if (status == SPHV_OK && progress) progress(context, 1);
+    out->seconds = now() - start;
+    return status;
+}
