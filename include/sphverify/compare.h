@@ -3,6 +3,8 @@
 #ifndef SPHVERIFY_COMPARE_H
 #define SPHVERIFY_COMPARE_H
 
+#include "sphverify/boundary.h"
+#include "sphverify/estimate.h"
 #include "sphverify/measure.h"
 #include "sphverify/theory.h"
 
@@ -57,6 +59,35 @@ sphv_status sphv_evaluate_point(const sphv_profile *profile, double h, sphv_numb
 sphv_status sphv_evaluate_experiment(const sphv_experiment *experiment, sphv_progress progress,
                                      void *context, sphv_point *out,
                                      sphv_error *error) SPHV_MUST_CHECK;
+
+/// One method, field and smoothing length on one box of particles.
+typedef struct sphv_box_question {
+    sphv_box box;
+    const sphv_profile *profile; ///< of the box's dimension
+    double h;
+    sphv_method method;
+    sphv_field field; ///< of the box's dimension
+} sphv_box_question;
+
+/// What was predicted and measured, in the order of the monomials: value, gradient, and second
+/// derivatives where the method gives them.
+typedef struct sphv_box_point {
+    size_t quantities;
+    bool predicted; ///< a theory exists; where a single quantity has none, `analytic.exists` says
+    sphv_box_prediction analytic;
+    sphv_norms norms[SPHV_QUANTITIES_MAX];    ///< over all particles
+    sphv_norms interior[SPHV_QUANTITIES_MAX]; ///< over those at least κh from every side
+    /// Of the RMSE over all particles; `inconclusive` without a theory.
+    sphv_verdict verdicts[SPHV_QUANTITIES_MAX];
+    sphv_verdict verdict; ///< the worst of the quantities that have a theory
+    size_t particles, neighbours_least, neighbours_most;
+    double pairs, seconds, worst_condition;
+} sphv_box_point;
+
+/// Evaluates both halves on a box and compares the root mean square errors.
+sphv_status sphv_evaluate_box(const sphv_box_question *question, sphv_progress progress,
+                              void *context, sphv_box_point *out,
+                              sphv_error *error) SPHV_MUST_CHECK;
 
 /// The terms of eq. 20 or 25 on actual particles, root mean squares over particles and phases.
 typedef struct sphv_term_table {

@@ -1,6 +1,7 @@
 #include "point_options.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 sphv_status sphv_number_option(const sphv_arguments *arguments, const char *option,
@@ -11,6 +12,30 @@ sphv_status sphv_number_option(const sphv_arguments *arguments, const char *opti
     sphv_error reason;
     if (sphv_number_parse(text, out, &reason) == SPHV_OK) return SPHV_OK;
     return sphv_fail(error, SPHV_INVALID_INPUT, "--%s: %s", option, reason.message);
+}
+
+sphv_status sphv_whole_option(const sphv_arguments *arguments, const char *option, long least,
+                              long most, long otherwise, long *out, sphv_error *error)
+{
+    const char *text = sphv_argument(arguments, option);
+    char *end = NULL;
+    *out = otherwise;
+    if (!text) return SPHV_OK;
+    *out = strtol(text, &end, 10);
+    if (end != text && *end == '\0' && *out >= least && *out <= most) return SPHV_OK;
+    return sphv_fail(error, SPHV_INVALID_INPUT, "--%s is '%.40s'; allowed: %ld to %ld", option,
+                     text, least, most);
+}
+
+sphv_status sphv_real_option(const sphv_arguments *arguments, const char *option, double otherwise,
+                             double *out, sphv_error *error)
+{
+    sphv_number number = {otherwise, 0};
+    sphv_status status = SPHV_OK;
+    if (sphv_argument(arguments, option))
+        status = sphv_number_option(arguments, option, &number, error);
+    *out = number.value;
+    return status;
 }
 
 sphv_status sphv_dimension_option(const sphv_arguments *arguments, int fallback, int *out,

@@ -10,6 +10,15 @@
 sphv_status sphv_number_option(const sphv_arguments *arguments, const char *option,
                                sphv_number *out, sphv_error *error) SPHV_MUST_CHECK;
 
+/// An optional number, decimal or fraction.
+sphv_status sphv_real_option(const sphv_arguments *arguments, const char *option, double otherwise,
+                             double *out, sphv_error *error) SPHV_MUST_CHECK;
+
+/// An optional whole number from `least` to `most`.
+sphv_status sphv_whole_option(const sphv_arguments *arguments, const char *option, long least,
+                              long most, long otherwise, long *out,
+                              sphv_error *error) SPHV_MUST_CHECK;
+
 /// --dim: 1, 2 or 3, or `fallback` when it is not given.
 sphv_status sphv_dimension_option(const sphv_arguments *arguments, int fallback, int *out,
                                   sphv_error *error) SPHV_MUST_CHECK;

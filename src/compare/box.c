@@ -1,0 +1,104 @@
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "sphverify/compare.h"
+
+/// Arrays over the particles of one box.
+struct box_arrays {
+    sphv_particles particles;
+    sphv_estimates estimates;
+    double *field; ///< [quantity * count + particle]: the field and its exact derivatives
+};
+
+static sphv_status fill_field(const sphv_box_question *of, size_t quantities,
+                              struct box_arrays *arrays, sphv_error *error)
+{
+    size_t count = arrays->particles.count;
+    int dimension = of->box.dimension;
+    int degree = quantities > (size_t)dimension + 1 ? 2 : 1;
+    arrays->field = malloc((count ? count : 1) * quantities * sizeof *arrays->field);
+    if (!arrays->field) return sphv_fail(error, SPHV_RESOURCE_FAILURE, "out of memory");
+    for (size_t i = 0; i < count; i++) {
+        double x[SPHV_DIMENSIONS] = {0}, values[SPHV_QUANTITIES_MAX];
+        for (int k = 0; k < dimension; k++) x[k] = arrays->particles.x[k][i];
+        sphv_field_derivatives(&of->field, degree, x, values);
+        for (size_t q = 0; q < quantities; q++) arrays->field[q * count + i] = values[q];
+        if (!isfinite(values[0]))
+            return sphv_fail(error, SPHV_INVALID_INPUT,
+                             "field '%s' is not finite at particle %zu, x = %g; allowed: particles "
+                             "where the field exists",
+                             of->field.name, i, x[0]);
+    }
+    return SPHV_OK;
+}
+
+static sphv_status measure(const sphv_box_question *of, struct box_arrays *arrays,
+                           sphv_progress progress, void *context, sphv_box_point *out,
+                           sphv_error *error)
+{
+    sphv_status status =
+        sphv_particles_make(&of->box, of->profile, of->h, &arrays->particles, error);
+    if (status == SPHV_OK) status = fill_field(of, out->quantities, arrays, error);
+    if (status != SPHV_OK) return status;
+    const double *field = arrays->field;
+    sphv_request request = {.profile = of->profile,
+                            .h = of->h,
+                            .method_count = 1,
+                            .methods = &of->method,
+                            .field_count = 1,
+                            .fields = &field,
+                            .route = SPHV_ROUTE_AUTOMATIC};
+    status = sphv_estimate_particles(&arrays->particles, &request, progress, context,
+                                     &arrays->estimates, error);
+    if (status != SPHV_OK) return status;
+    const sphv_estimates *estimates = &arrays->estimates;
+    size_t count = arrays->particles.count;
+    for (size_t q = 0; q < out->quantities; q++) {
+        const double *exact = field + q * count;
+        out->norms[q] = sphv_error_norms(&arrays->particles, estimates, 0, 0, q, exact, 0);
+        out->interior[q] = sphv_error_norms(&arrays->particles, estimates, 0, 0, q, exact,
+                                            of->profile->support * of->h);
+    }
+    out->particles = count;
+    out->pairs = estimates->pairs;
+    out->seconds = estimates->seconds;
+    out->neighbours_least = count ? estimates->neighbours[0] : 0;
+    for (size_t i = 0; i < count; i++) {
+        size_t n = estimates->neighbours[i];
+        double condition = estimates->methods[0].condition[i];
+        if (n < out->neighbours_least) out->neighbours_least = n;
+        if (n > out->neighbours_most) out->neighbours_most = n;
+        if (isfinite(condition)) out->worst_condition = fmax(out->worst_condition, condition);
+    }
+    return SPHV_OK;
+}
+
+sphv_status sphv_evaluate_box(const sphv_box_question *question, sphv_progress progress,
+                              void *context, sphv_box_point *out, sphv_error *error)
+{
+    memset(out, 0, sizeof *out);
+    out->quantities = sphv_method_quantities(question->method, question->box.dimension);
+    sphv_status status = sphv_box_check(&question->box, error);
+    if (status != SPHV_OK) return status;
+    status = sphv_predict_box(&question->box, question->profile, question->h, question->method,
+                              &question->field, &out->analytic, error);
+    out->predicted = status == SPHV_OK;
+    if (status != SPHV_OK && status != SPHV_NO_CLOSED_FORM) return status;
+    struct box_arrays arrays = {0};
+    status = measure(question, &arrays, progress, context, out, error);
+    sphv_estimates_free(&arrays.estimates);
+    sphv_particles_free(&arrays.particles);
+    free(arrays.field);
+    if (status != SPHV_OK) return status;
+    out->verdict = out->predicted ? SPHV_AGREES : SPHV_INCONCLUSIVE;
+    for (size_t q = 0; q < out->quantities; q++) {
+        const sphv_norms *norms = &out->norms[q];
+        out->verdicts[q] = SPHV_INCONCLUSIVE;
+        if (!out->predicted || !out->analytic.exists[q] || norms->counted == 0) continue;
+        out->verdicts[q] = sphv_compare(out->analytic.rmse[q],
+                                        (sphv_result){norms->rmse, norms->bound}, norms->rmse);
+        out->verdict = sphv_verdict_worse(out->verdict, out->verdicts[q]);
+    }
+    return SPHV_OK;
+}
