@@ -314,7 +314,52 @@ static sphv_status check_node(sphv_yaml *yaml, const yaml_node_t *node,
     }
 }
 
-static sphv_status load(sphv_yaml *yaml, sphv_error *error)
+static const yaml_node_t *child_of(yaml_document_t *document, const yaml_node_t *node,
+                                   const char *part, size_t length)
+{
+    if (node->type == YAML_MAPPING_NODE) {
+        for (yaml_node_pair_t *pair = node->data.mapping.pairs.start;
+             pair < node->data.mapping.pairs.top; pair++) {
+            const yaml_node_t *key = yaml_document_get_node(document, pair->key);
+            if (key->type == YAML_SCALAR_NODE && key->data.scalar.length == length &&
+                memcmp(key->data.scalar.value, part, length) == 0)
+                return yaml_document_get_node(document, pair->value);
+        }
+    } else if (node->type == YAML_SEQUENCE_NODE) {
+        long index = strtol(part, NULL, 10);
+        if (index < node->data.sequence.items.top - node->data.sequence.items.start)
+            return yaml_document_get_node(document, node->data.sequence.items.start[index]);
+    }
+    return NULL;
+}
+
+/// The schema of the kind that the file says it is.
+static sphv_status choose_kind(sphv_yaml *yaml, const sphv_yaml_kind *kinds, int *which,
+                               sphv_error *error)
+{
+    const yaml_node_t *root = yaml_document_get_root_node(&yaml->document);
+    const yaml_node_t *kind =
+        root->type == YAML_MAPPING_NODE ? child_of(&yaml->document, root, "kind", 4) : NULL;
+    char allowed[200] = "";
+    size_t used = 0;
+    *which = 0;
+    yaml->schema = kinds[0].schema;
+    if (!kind || !kinds[1].schema) return SPHV_OK;
+    for (int i = 1; kinds[i].schema; i++) {
+        if (kind->type == YAML_SCALAR_NODE &&
+            strcmp((const char *)kind->data.scalar.value, kinds[i].name) == 0) {
+            *which = i;
+            yaml->schema = kinds[i].schema;
+            return SPHV_OK;
+        }
+        if (used < sizeof allowed)
+            used += (size_t)snprintf(allowed + used, sizeof allowed - used, "%s, ", kinds[i].name);
+    }
+    return sphv_fail(error, SPHV_INVALID_INPUT, "%s:%u: unknown kind; allowed: %sor none",
+                     yaml->path, line_of(kind), allowed);
+}
+
+static sphv_status load(sphv_yaml *yaml, const sphv_yaml_kind *kinds, int *which, sphv_error *error)
 {
     sphv_status status = read_file(yaml, error);
     if (status == SPHV_OK) status = parse_document(yaml, error);
@@ -323,7 +368,8 @@ static sphv_status load(sphv_yaml *yaml, sphv_error *error)
     if (!root)
         return sphv_fail(error, SPHV_INVALID_INPUT,
                          "%s:1: the file holds no document; allowed: a YAML mapping", yaml->path);
-    status = check_node(yaml, root, yaml->schema, "the file", 0, error);
+    status = choose_kind(yaml, kinds, which, error);
+    if (status == SPHV_OK) status = check_node(yaml, root, yaml->schema, "the file", 0, error);
     if (status != SPHV_OK) return status;
     char message[256] = "";
     cyaml_config_t config;
@@ -341,14 +387,21 @@ static sphv_status load(sphv_yaml *yaml, sphv_error *error)
 sphv_status sphv_yaml_load(const char *path, const cyaml_schema_value_t *schema, sphv_yaml **out,
                            sphv_error *error)
 {
+    const sphv_yaml_kind only[] = {{NULL, schema}, {NULL, NULL}};
+    int which;
+    return sphv_yaml_load_kind(path, only, &which, out, error);
+}
+
+sphv_status sphv_yaml_load_kind(const char *path, const sphv_yaml_kind *kinds, int *which,
+                                sphv_yaml **out, sphv_error *error)
+{
     sphv_yaml *yaml = calloc(1, sizeof *yaml);
     if (yaml) yaml->path = strdup(path);
     if (!yaml || !yaml->path) {
         free(yaml);
         return sphv_fail(error, SPHV_RESOURCE_FAILURE, "out of memory");
     }
-    yaml->schema = schema;
-    sphv_status status = load(yaml, error);
+    sphv_status status = load(yaml, kinds, which, error);
     if (status == SPHV_OK)
         *out = yaml;
     else
@@ -374,25 +427,6 @@ void sphv_yaml_free(sphv_yaml *yaml)
 void *sphv_yaml_data(const sphv_yaml *yaml)
 {
     return yaml->data;
-}
-
-static const yaml_node_t *child_of(yaml_document_t *document, const yaml_node_t *node,
-                                   const char *part, size_t length)
-{
-    if (node->type == YAML_MAPPING_NODE) {
-        for (yaml_node_pair_t *pair = node->data.mapping.pairs.start;
-             pair < node->data.mapping.pairs.top; pair++) {
-            const yaml_node_t *key = yaml_document_get_node(document, pair->key);
-            if (key->type == YAML_SCALAR_NODE && key->data.scalar.length == length &&
-                memcmp(key->data.scalar.value, part, length) == 0)
-                return yaml_document_get_node(document, pair->value);
-        }
-    } else if (node->type == YAML_SEQUENCE_NODE) {
-        long index = strtol(part, NULL, 10);
-        if (index < node->data.sequence.items.top - node->data.sequence.items.start)
-            return yaml_document_get_node(document, node->data.sequence.items.start[index]);
-    }
-    return NULL;
 }
 
 unsigned sphv_yaml_line(const sphv_yaml *yaml, const char *place)

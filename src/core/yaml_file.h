@@ -17,6 +17,18 @@ typedef struct sphv_yaml sphv_yaml;
 /// \param error   receives `file:line: what; what is allowed`
 sphv_status sphv_yaml_load(const char *path, const cyaml_schema_value_t *schema, sphv_yaml **out,
                            sphv_error *error) SPHV_MUST_CHECK;
+
+/// A kind of file: the value of its top-level key `kind`, NULL for files without that key.
+typedef struct sphv_yaml_kind {
+    const char *name;
+    const cyaml_schema_value_t *schema;
+} sphv_yaml_kind;
+
+/// Loads a file of one of several kinds, which its key `kind` tells.
+/// \param kinds  ended by a row without a schema; the first is that of files without the key
+/// \param which  receives the index of the kind
+sphv_status sphv_yaml_load_kind(const char *path, const sphv_yaml_kind *kinds, int *which,
+                                sphv_yaml **out, sphv_error *error) SPHV_MUST_CHECK;
 void sphv_yaml_free(sphv_yaml *yaml);
 
 /// The struct that libcyaml filled.

@@ -78,7 +78,7 @@ static const cyaml_schema_field_t scene_fields[] = {
     CYAML_FIELD_SEQUENCE("claims", OPTIONAL, struct sphv_file_scene, claims, &claim_entry, 0, 100),
     CYAML_FIELD_END};
 
-static const cyaml_schema_value_t scene_schema = {
+const cyaml_schema_value_t sphv_scene_schema = {
     CYAML_VALUE_MAPPING(CYAML_FLAG_POINTER, struct sphv_file_scene, scene_fields)};
 
 sphv_status sphv_scene_number(const struct sphv_scene_reader *of, const char *place,
@@ -272,22 +272,29 @@ static sphv_status read_scene(const struct sphv_scene_reader *of)
     return status;
 }
 
-sphv_status sphv_scene_load(const char *data_directory, const char *path, sphv_scene **out,
-                            sphv_error *error)
+sphv_status sphv_scene_read(const char *data_directory, const char *path, const sphv_yaml *yaml,
+                            sphv_scene **out, sphv_error *error)
 {
-    sphv_yaml *yaml;
-    sphv_status status = sphv_yaml_load(path, &scene_schema, &yaml, error);
-    if (status != SPHV_OK) return status;
     struct sphv_scene_reader of = {data_directory, yaml, sphv_yaml_data(yaml),
                                    calloc(1, sizeof *of.scene), error};
-    status = of.scene ? sphv_scene_text(&of, path, &of.scene->path)
-                      : sphv_fail(error, SPHV_RESOURCE_FAILURE, "out of memory");
+    sphv_status status = of.scene ? sphv_scene_text(&of, path, &of.scene->path)
+                                  : sphv_fail(error, SPHV_RESOURCE_FAILURE, "out of memory");
     if (status == SPHV_OK) status = read_scene(&of);
-    sphv_yaml_free(yaml);
     if (status == SPHV_OK)
         *out = of.scene;
     else
         sphv_scene_free(of.scene);
+    return status;
+}
+
+sphv_status sphv_scene_load(const char *data_directory, const char *path, sphv_scene **out,
+                            sphv_error *error)
+{
+    sphv_yaml *yaml;
+    sphv_status status = sphv_yaml_load(path, &sphv_scene_schema, &yaml, error);
+    if (status != SPHV_OK) return status;
+    status = sphv_scene_read(data_directory, path, yaml, out, error);
+    sphv_yaml_free(yaml);
     return status;
 }
 

@@ -40,6 +40,13 @@ struct sphv_file_scene {
     unsigned curves_count, claims_count;
 };
 
+/// The schema of a scene of curves.
+extern const cyaml_schema_value_t sphv_scene_schema;
+
+/// Makes a scene of a file loaded against that schema.
+sphv_status sphv_scene_read(const char *data_directory, const char *path, const sphv_yaml *yaml,
+                            sphv_scene **out, sphv_error *error) SPHV_MUST_CHECK;
+
 /// What the readers below share.
 struct sphv_scene_reader {
     const char *data_directory;

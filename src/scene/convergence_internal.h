@@ -1,0 +1,13 @@
+/// \file convergence_internal.h
+/// Shared inside the runner of convergence scenes only.
+#ifndef SPHVERIFY_CONVERGENCE_INTERNAL_H
+#define SPHVERIFY_CONVERGENCE_INTERNAL_H
+
+#include "sphverify/convergence.h"
+
+enum { SPHV_SCHEMES_MAX = 40, SPHV_RATE_FIELDS_MAX = 8 };
+
+/// Judges the table, the printed levels and the claims, once everything is measured and predicted.
+void sphv_convergence_judge(sphv_convergence_result *result);
+
+#endif
