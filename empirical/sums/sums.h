@@ -35,6 +35,16 @@ typedef struct sphv_sum_set {
     sphv_degrees field[3];
 } sphv_sum_set;
 
+/// The sets by level, moments and field sums, as an initialiser: the passes have to know them when
+/// they are compiled.
+#define SPHV_SUM_SETS                                                                              \
+    {                                                                                              \
+        [SPHV_SUMS_STANDARD] = {{{0, 0}, {1, 1}, {0, -1}}, {{0, 0}, {1, 1}, {0, -1}}},             \
+        [SPHV_SUMS_FIRST] = {{{0, 1}, {1, 2}, {0, -1}}, {{0, 0}, {1, 1}, {0, -1}}},                \
+        [SPHV_SUMS_REPRODUCING] = {{{0, 2}, {1, 3}, {0, -1}}, {{0, 1}, {1, 2}, {0, -1}}},          \
+        [SPHV_SUMS_SECOND] = {{{0, 2}, {0, 3}, {2, 4}}, {{0, 0}, {0, 1}, {2, 2}}},                 \
+        [SPHV_SUMS_ALL] = {{{0, 4}, {0, 5}, {2, 4}}, {{0, 2}, {0, 3}, {2, 2}}},                    \
+    }
 extern const sphv_sum_set sphv_sum_sets[SPHV_SUM_LEVELS];
 
 /// The lowest level that covers a method.
@@ -72,7 +82,8 @@ static inline int sphv_field_sum_index(const sphv_sum_layout *layout, int f, int
            layout->first_field_monomial[k];
 }
 
-/// Sums of a block of particles.
+/// Sums of a block of particles. Eight of them are solved at a time, so `stride` is a multiple of
+/// 8, and sums, rounding and values can be read to the end of the last eight.
 typedef struct sphv_sum_block {
     const sphv_sum_layout *layout;
     size_t first, count; ///< in the order of the evaluation

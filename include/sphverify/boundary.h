@@ -22,12 +22,19 @@ sphv_status sphv_truncated_moments(const sphv_profile *profile, const double *be
                                    const double *above, int degree, sphv_result *out[3],
                                    sphv_error *error) SPHV_MUST_CHECK;
 
+/// What moments a prediction is made of.
+typedef enum sphv_moment_source {
+    SPHV_MOMENTS_LATTICE,   ///< the kernel's sums over a half, quarter or whole lattice: exact
+    SPHV_MOMENTS_CONTINUUM, ///< its integrals over the support, cut where the outermost cells end
+} sphv_moment_source;
+
 /// A prediction of the root mean square error over the particles of a box.
 typedef struct sphv_box_prediction {
     size_t quantities;
     sphv_result rmse[SPHV_QUANTITIES_MAX];     ///< over all particles
     sphv_result interior[SPHV_QUANTITIES_MAX]; ///< over those further than κh from every side
     sphv_rigour rigour;
+    double excluded; ///< particles without a usable moment matrix, left out of the norms
     bool exists[SPHV_QUANTITIES_MAX]; ///< false where derivatives of the field are not integrable
 } sphv_box_prediction;
 
@@ -37,5 +44,12 @@ typedef struct sphv_box_prediction {
 sphv_status sphv_predict_box(const sphv_box *box, const sphv_profile *profile, double h,
                              sphv_method method, const sphv_field *field, sphv_box_prediction *out,
                              sphv_error *error) SPHV_MUST_CHECK;
+
+/// The same from one kind of moments. Those of the continuum are the limit of many neighbours: they
+/// are in error by that of the midpoint rule, of order (Δx/h)².
+sphv_status sphv_predict_box_from(const sphv_box *box, const sphv_profile *profile, double h,
+                                  sphv_method method, const sphv_field *field,
+                                  sphv_moment_source source, sphv_box_prediction *out,
+                                  sphv_error *error) SPHV_MUST_CHECK;
 
 #endif

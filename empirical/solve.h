@@ -1,0 +1,183 @@
+/// \file solve.h
+/// What the methods share: eight particles' sums with their bounds, and what is made of them.
+#ifndef SPHVERIFY_EMPIRICAL_SOLVE_H
+#define SPHVERIFY_EMPIRICAL_SOLVE_H
+
+#include "dense.h"
+#include "sums/sums.h"
+
+enum { SPHV_SUM_DEGREE_MAX = 5 };
+
+/// One method on one block.
+typedef struct sphv_solve_task {
+    const sphv_sum_block *block;
+    const sphv_request *request;
+    const double *values; ///< A at the block's particles
+    sphv_method_estimates *out;
+    size_t least;                          ///< fewest particles of a regular moment matrix
+    double reach[SPHV_SUM_DEGREE_MAX + 1]; ///< powers of κ
+    double scale[3];                       ///< 1, 1/h, 1/h²
+} sphv_solve_task;
+
+/// Eight particles of a block.
+typedef struct sphv_pack {
+    const sphv_solve_task *task;
+    const sphv_sum_block *block;
+    size_t at, have;    ///< first of the pack, and how many
+    sphv_lanes size[3]; ///< rounding Σ v|p_k| q^m
+    sphv_lane_mask kept, sound;
+    unsigned char fault[SPHV_LANES];
+} sphv_pack;
+
+/// Exponents of the monomials through degree 2, in the order of sphv_monomials.
+static const signed char sphv_low_powers[SPHV_DIMENSIONS][10][SPHV_DIMENSIONS] = {
+    {{0}, {1}, {2}},
+    {{0, 0}, {1, 0}, {0, 1}, {2, 0}, {1, 1}, {0, 2}},
+    {{0, 0, 0},
+     {1, 0, 0},
+     {0, 1, 0},
+     {0, 0, 1},
+     {2, 0, 0},
+     {1, 1, 0},
+     {1, 0, 1},
+     {0, 2, 0},
+     {0, 1, 1},
+     {0, 0, 2}},
+};
+
+/// A monomial by its exponents.
+typedef struct sphv_exponents {
+    int x, y, z;
+} sphv_exponents;
+
+SPHV_INLINE sphv_exponents sphv_low_monomial(const int d, int index)
+{
+    const signed char *power = sphv_low_powers[d - 1][index];
+    return (sphv_exponents){power[0], power[1], power[2]};
+}
+
+/// s^α s^β.
+SPHV_INLINE sphv_exponents sphv_times(sphv_exponents a, sphv_exponents b)
+{
+    return (sphv_exponents){a.x + b.x, a.y + b.y, a.z + b.z};
+}
+
+/// s_k.
+SPHV_INLINE sphv_exponents sphv_coordinate(int k)
+{
+    return (sphv_exponents){k == 0, k == 1, k == 2};
+}
+
+SPHV_INLINE int sphv_exponent(sphv_exponents a, int k)
+{
+    return k == 0 ? a.x : k == 1 ? a.y : a.z;
+}
+
+/// s^α/s_k, for a positive exponent of s_k.
+SPHV_INLINE sphv_exponents sphv_over(sphv_exponents a, int k)
+{
+    return (sphv_exponents){a.x - (k == 0), a.y - (k == 1), a.z - (k == 2)};
+}
+
+/// Place of a monomial in the order of sphv_monomials.
+SPHV_INLINE int sphv_place(const int d, sphv_exponents a)
+{
+    int degree = a.x + a.y + a.z, rest = a.y + a.z;
+    if (d == 1) return degree;
+    if (d == 2) return degree * (degree + 1) / 2 + a.y;
+    return degree * (degree + 1) * (degree + 2) / 6 + rest * (rest + 1) / 2 + a.z;
+}
+
+/// κ^(|α| − m): what |s^α|/q^m is at most.
+SPHV_INLINE double sphv_pack_reach(const sphv_pack *pack, int k, sphv_exponents a)
+{
+    int from = sphv_sum_sets[pack->block->layout->level].moment[k].from;
+    return pack->task->reach[a.x + a.y + a.z - from];
+}
+
+/// Σ v p_k s^α.
+SPHV_INLINE sphv_bounded sphv_moment(const sphv_pack *pack, const int d, int k, sphv_exponents a)
+{
+    int index = sphv_moment_index(pack->block->layout, k, sphv_place(d, a));
+    const double *from = pack->block->sums + (size_t)index * pack->block->stride + pack->at;
+    return (sphv_bounded){sphv_lanes_load(from), pack->size[k] * sphv_pack_reach(pack, k, a)};
+}
+
+/// Σ v p_k s^α (A_b − A_a).
+SPHV_INLINE sphv_bounded sphv_field_sum(const sphv_pack *pack, const int d, size_t field, int k,
+                                        sphv_exponents a)
+{
+    int index = sphv_field_sum_index(pack->block->layout, (int)field, k, sphv_place(d, a));
+    const double *from = pack->block->sums + (size_t)index * pack->block->stride + pack->at;
+    return (sphv_bounded){sphv_lanes_load(from), pack->size[k] * (sphv_pack_reach(pack, k, a) *
+                                                                  pack->block->spread[field])};
+}
+
+/// A_a.
+SPHV_INLINE sphv_bounded sphv_own_value(const sphv_pack *pack, size_t field)
+{
+    const double *from = pack->task->values + field * pack->block->stride + pack->at;
+    return sphv_bounded_exact(sphv_lanes_load(from));
+}
+
+/// The pack of the block's particles `at` and after.
+SPHV_INLINE sphv_pack sphv_pack_make(const sphv_solve_task *task, size_t at)
+{
+    const sphv_sum_block *block = task->block;
+    size_t rest = block->count - at, have = rest < SPHV_LANES ? rest : SPHV_LANES;
+    sphv_pack pack = {.task = task, .block = block, .at = at, .have = have};
+    sphv_lanes rounding = sphv_lanes_load(block->rounding + at);
+    for (int k = 0; k < 3; k++) {
+        size_t index = (size_t)(block->layout->size_at + k);
+        pack.size[k] = rounding * sphv_lanes_load(block->sums + index * block->stride + at);
+    }
+    return pack;
+}
+
+/// Finds the faults of a pack from the condition number and the defect of its moment matrix.
+void sphv_pack_judge(sphv_pack *pack, const sphv_lanes *condition, const sphv_lanes *defect);
+
+/// Writes the estimates of one field, found in units of h.
+void sphv_pack_store(sphv_pack *pack, size_t field, const sphv_bounded *found);
+
+/// Writes the faults, once all fields are stored.
+void sphv_pack_finish(const sphv_pack *pack);
+
+/// Condition of a 1 × 1 matrix that is a sum: a bound of how much of it cancels.
+SPHV_INLINE sphv_lanes sphv_pack_cancellation(const sphv_pack *pack, sphv_bounded sum)
+{
+    const double *rounding = pack->block->rounding + pack->at;
+    sphv_lanes moduli = sum.error / sphv_lanes_load(rounding);
+    return sphv_dense_raise(sphv_lanes_of(1), moduli / sphv_lanes_abs(sum.value));
+}
+
+/// Its defect.
+SPHV_INLINE sphv_lanes sphv_pack_doubt(sphv_bounded sum)
+{
+    return sum.error / sphv_lanes_abs(sum.value);
+}
+
+/// Calls a pack's solver, compiled for each dimension, for all packs of a block: `at` is the first
+/// particle of each.
+#define SPHV_EACH_PACK(task, in_one, in_two, in_three)                                             \
+    for (size_t at = 0; at < (task)->block->count; at += SPHV_LANES) {                             \
+        if ((task)->block->layout->dimension == 1)                                                 \
+            in_one;                                                                                \
+        else if ((task)->block->layout->dimension == 2)                                            \
+            in_two;                                                                                \
+        else                                                                                       \
+            in_three;                                                                              \
+    }
+
+/// One row of the table of methods each.
+void sphv_solve_standard(const sphv_solve_task *task);
+void sphv_solve_difference(const sphv_solve_task *task);
+void sphv_solve_shepard(const sphv_solve_task *task);
+void sphv_solve_bonet_lok(const sphv_solve_task *task);
+void sphv_solve_cspm(const sphv_solve_task *task);
+void sphv_solve_fpm(const sphv_solve_task *task);
+void sphv_solve_msph(const sphv_solve_task *task);
+void sphv_solve_rkpm_1(const sphv_solve_task *task);
+void sphv_solve_rkpm_2(const sphv_solve_task *task);
+
+#endif
