@@ -1,5 +1,15 @@
 #include "solve.h"
 
+const sphv_name_row sphv_faults[] = {
+    {"none", "sound"},
+    {"isolated", "no neighbour within the support"},
+    {"too-few", "fewer particles within the support than the method needs"},
+    {"singular", "the moment matrix has no finite condition number"},
+    {"ill-conditioned", "condition number of the moment matrix above 1/sqrt(epsilon) = 6.7e7"},
+    {"not-finite", "the estimate overflows"},
+    {NULL, NULL},
+};
+
 SPHV_CLONES void sphv_pack_judge(sphv_pack *pack, const sphv_lanes *condition,
                                  const sphv_lanes *defect)
 {
