@@ -4,57 +4,12 @@
 
 #include "../internal.h"
 #include "evaluation.h"
+#include "radial.h"
 
-/// Radial functions of one pair and their sizes |p_k| q^k, errors included.
+/// Radial functions of one pair and their sizes, errors included.
 struct radial {
     double p[3], size[3];
 };
-
-/// sup |Ŵ^(n)| over all pieces: what a wrong q can do.
-static double steepest(const sphv_profile *profile, int n)
-{
-    double largest = 0, factorial = 1;
-    for (int i = 2; i <= n; i++) factorial *= i;
-    for (int i = 0; i < profile->piece_count; i++)
-        largest = fmax(largest, profile->pieces[i].derivative_bound[n] * factorial);
-    return largest;
-}
-
-/// q on that side of every knot on which the squares are.
-static double place(const sphv_profile *profile, double h, double square, double q)
-{
-    for (int i = 0; i < profile->knot_count; i++) {
-        double knot = profile->knots[i].position.value, limit = knot * h;
-        bool inside = square < limit * limit;
-        if (inside && q >= knot) q = nextafter(knot, 0);
-        if (!inside && q < knot) q = knot;
-    }
-    return q < profile->support ? q : nextafter(profile->support, 0);
-}
-
-/// \param slope sup |Ŵ^(n)|, n = 0 … 3
-static struct radial radial_at(const sphv_profile *profile, const double slope[4], double q)
-{
-    sphv_result w[3];
-    struct radial out = {{0, 0, 0}, {0, 0, 0}};
-    sphv_profile_values(profile, q, w);
-    double off = 6 * SPHV_U * q; // q is wrong by at most this
-    double share = SPHV_RADIAL_ERROR * SPHV_U;
-    out.p[0] = w[0].value;
-    out.size[0] = fabs(w[0].value) + (w[0].bound + slope[1] * off) / share;
-    if (q == 0) {
-        out.p[1] = w[1].value == 0 ? w[2].value : 0;
-        return out;
-    }
-    double p1 = w[1].value / q, second = w[2].value - p1;
-    double p1_error = (w[1].bound + slope[2] * off) / q + 8 * SPHV_U * fabs(p1);
-    out.p[1] = p1;
-    out.p[2] = second / (q * q);
-    out.size[1] = fabs(w[1].value) + p1_error * q / share;
-    out.size[2] = fabs(second) +
-                  (w[2].bound + slope[3] * off + p1_error + 14 * SPHV_U * fabs(second)) / share;
-    return out;
-}
 
 /// The periodic copy of x_b that is nearest to x_a, as a rounded number.
 static double nearest_copy(double x_b, double x_a)
@@ -96,13 +51,11 @@ static void add_pair(const sphv_evaluation *evaluation, const struct radial *rad
 }
 
 /// All sums at one particle.
-static void sum_particle(const sphv_evaluation *evaluation, const double slope[4], size_t a,
+static void sum_particle(const sphv_evaluation *evaluation, const sphv_radial *functions, size_t a,
                          struct accumulators *into)
 {
     const sphv_particles *particles = evaluation->particles;
-    const sphv_profile *profile = evaluation->request->profile;
-    double h = evaluation->request->h, limit = (profile->support * h) * (profile->support * h);
-    double unit = 1;
+    double h = evaluation->request->h, unit = 1;
     for (int i = 0; i < particles->dimension; i++) unit *= h;
     memset(into->sum, 0, (size_t)evaluation->layout.count * sizeof *into->sum);
     into->neighbours = 0;
@@ -113,10 +66,10 @@ static void sum_particle(const sphv_evaluation *evaluation, const double slope[4
             d[i] = (particles->periodic ? nearest_copy(x_b, x_a) : x_b) - x_a;
         }
         double square = sphv_square(particles->dimension, d);
-        if (!(square < limit)) continue;
+        if (!(square < functions->limit)) continue;
         for (int i = 0; i < SPHV_DIMENSIONS; i++) s[i] = d[i] / h;
-        struct radial radial =
-            radial_at(profile, slope, place(profile, h, square, sqrt(square) / h));
+        struct radial radial;
+        sphv_radial_values(functions, evaluation->layout.level, square, radial.p, radial.size);
         add_pair(evaluation, &radial, particles->volume[b] / unit, s, a, b, into->sum);
         into->neighbours++;
     }
@@ -126,8 +79,9 @@ sphv_status sphv_evaluate_brute_force(const sphv_evaluation *evaluation, sphv_er
 {
     size_t count = evaluation->particles->count, sums = (size_t)evaluation->layout.count;
     size_t blocks = (count + SPHV_BLOCK - 1) / SPHV_BLOCK, done = 0;
-    double slope[4];
-    for (int n = 0; n < 4; n++) slope[n] = steepest(evaluation->request->profile, n);
+    sphv_radial functions;
+    sphv_radial_make(&functions, evaluation->request->profile, evaluation->request->h,
+                     evaluation->layout.level);
     // The result of a compensated sum is rounded once more.
     double rounding = sphv_summand_rounding(&evaluation->layout) + 2 * SPHV_U;
     sphv_status status = SPHV_OK;
@@ -145,7 +99,7 @@ sphv_status sphv_evaluate_brute_force(const sphv_evaluation *evaluation, sphv_er
             size_t first = block * SPHV_BLOCK,
                    n = count - first < SPHV_BLOCK ? count - first : SPHV_BLOCK;
             for (size_t i = 0; ready && i < n; i++) {
-                sum_particle(evaluation, slope, first + i, &at);
+                sum_particle(evaluation, &functions, first + i, &at);
                 for (size_t k = 0; k < sums; k++)
                     worker.block.sums[k * worker.block.stride + i] =
                         sphv_sum_result(&at.sum[k]).value;

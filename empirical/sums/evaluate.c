@@ -67,34 +67,6 @@ static sphv_status check(const sphv_particles *particles, const sphv_request *re
     return status;
 }
 
-/// Whether the degrees `needed` are among `given`.
-static bool among(sphv_degrees needed, sphv_degrees given)
-{
-    return needed.from > needed.to || (given.from <= needed.from && needed.to <= given.to);
-}
-
-static bool covers(sphv_sum_level level, sphv_sum_level needed)
-{
-    const sphv_sum_set *given = &sphv_sum_sets[level], *asked = &sphv_sum_sets[needed];
-    for (int k = 0; k < 3; k++)
-        if (!among(asked->moment[k], given->moment[k]) || !among(asked->field[k], given->field[k]))
-            return false;
-    return true;
-}
-
-/// The lowest level that covers all methods asked for.
-static sphv_sum_level level_of(const sphv_request *request)
-{
-    sphv_sum_level level = SPHV_SUMS_STANDARD;
-    for (size_t m = 0; m < request->method_count; m++)
-        while (level < SPHV_SUMS_ALL && !covers(level, sphv_method_level(request->methods[m])))
-            level++;
-    // A later method may have moved on to a level that lacks what an earlier one needs.
-    for (size_t m = 0; m < request->method_count; m++)
-        if (!covers(level, sphv_method_level(request->methods[m]))) level = SPHV_SUMS_ALL;
-    return level;
-}
-
 static void *allocate(size_t count, size_t size)
 {
     return calloc(count ? count : 1, size);
@@ -103,10 +75,8 @@ static void *allocate(size_t count, size_t size)
 static bool make_method(sphv_method_estimates *out, sphv_method method, int dimension,
                         size_t fields, size_t count)
 {
-    size_t d = (size_t)dimension;
-    bool second = sphv_method_level(method) == SPHV_SUMS_SECOND;
     out->method = method;
-    out->quantities = second ? (1 + d) * (2 + d) / 2 : 1 + d;
+    out->quantities = sphv_method_quantities(method, dimension);
     size_t arrays = fields * out->quantities;
     out->condition = allocate(count, sizeof *out->condition);
     out->fault = allocate(count, sizeof *out->fault);
@@ -161,6 +131,21 @@ double sphv_summand_rounding(const sphv_sum_layout *layout)
     return (SPHV_RADIAL_ERROR + 8 + 3 * degree) * SPHV_U;
 }
 
+/// max A − min A of each field; NULL without memory.
+static double *spread_of(const sphv_request *request, size_t count)
+{
+    double *spread = allocate(request->field_count, sizeof *spread);
+    for (size_t f = 0; spread && f < request->field_count; f++) {
+        double least = INFINITY, most = -INFINITY;
+        for (size_t i = 0; i < count; i++) {
+            least = fmin(least, request->fields[f][i]);
+            most = fmax(most, request->fields[f][i]);
+        }
+        spread[f] = count ? (most - least) * (1 + 2 * SPHV_U) : 0;
+    }
+    return spread;
+}
+
 sphv_status sphv_estimate_particles(const sphv_particles *particles, const sphv_request *request,
                                     sphv_progress progress, void *context, sphv_estimates *out,
                                     sphv_error *error)
@@ -169,16 +154,19 @@ sphv_status sphv_estimate_particles(const sphv_particles *particles, const sphv_
     *out = (sphv_estimates){0};
     sphv_status status = check(particles, request, error);
     if (status != SPHV_OK) return status;
+    double *spread = spread_of(request, particles->count);
     sphv_evaluation evaluation = {
         .particles = particles,
         .request = request,
-        .layout = sphv_sum_layout_make(particles->dimension, level_of(request),
+        .layout = sphv_sum_layout_make(particles->dimension, sphv_request_level(request),
                                        (int)request->field_count),
+        .spread = spread,
         .progress = progress,
         .context = context,
         .out = out,
     };
-    if (!make_estimates(out, request, particles->dimension, particles->count)) {
+    if (!spread || !make_estimates(out, request, particles->dimension, particles->count)) {
+        free(spread);
         sphv_estimates_free(out);
         return sphv_fail(error, SPHV_RESOURCE_FAILURE,
                          "out of memory for the estimates of %zu particles", particles->count);
@@ -190,13 +178,18 @@ sphv_status sphv_estimate_particles(const sphv_particles *particles, const sphv_
         break;
     case SPHV_ROUTE_AUTOMATIC:
     case SPHV_ROUTE_DIRECT:
-        out->route = SPHV_ROUTE_BRUTE_FORCE;
-        status = sphv_evaluate_brute_force(&evaluation, error);
+        out->route = SPHV_ROUTE_DIRECT;
+        status = sphv_evaluate_direct(&evaluation, error);
+        break;
+    case SPHV_ROUTE_CONVOLUTION:
+        out->route = SPHV_ROUTE_CONVOLUTION;
+        status = sphv_evaluate_convolution(&evaluation, error);
         break;
     default:
         status = sphv_fail(error, SPHV_INVALID_INPUT, "route %d does not exist for such particles",
                            (int)request->route);
     }
+    free(spread);
     if (status != SPHV_OK) sphv_estimates_free(out);
     if (status == SPHV_OK && progress) progress(context, 1);
     out->seconds = now() - start;

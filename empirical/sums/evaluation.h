@@ -13,9 +13,14 @@ typedef struct sphv_evaluation {
     const sphv_particles *particles;
     const sphv_request *request;
     sphv_sum_layout layout;
+    const double *spread;   ///< max A − min A of each field
     sphv_progress progress; ///< may be NULL
     void *context;
     sphv_estimates *out;
+    /// Sees every block of sums before the methods do, from any thread; NULL but in tests.
+    void (*watch)(void *watcher, const sphv_sum_block *block);
+    void *watcher;
+    const struct sphv_pass_set *passes; ///< of the direct route; NULL for the processor's best
 } sphv_evaluation;
 
 /// How far a pair of particles is apart in the eyes of every route: dx² (+ dy² (+ dz²)), each
@@ -59,5 +64,6 @@ double sphv_summand_rounding(const sphv_sum_layout *layout);
 /// The routes. Each fills every array of the results.
 sphv_status sphv_evaluate_brute_force(const sphv_evaluation *evaluation, sphv_error *error);
 sphv_status sphv_evaluate_direct(const sphv_evaluation *evaluation, sphv_error *error);
+sphv_status sphv_evaluate_convolution(const sphv_evaluation *evaluation, sphv_error *error);
 
 #endif

@@ -43,12 +43,14 @@ sphv_status sphv_worker_make(sphv_worker *worker, const sphv_evaluation *evaluat
     size_t fields = evaluation->request->field_count, sums = (size_t)evaluation->layout.count;
     *worker = (sphv_worker){.evaluation = evaluation};
     worker->block.layout = &evaluation->layout;
+    worker->block.spread = evaluation->spread;
     worker->block.stride = SPHV_BLOCK;
     worker->block.sums = aligned_alloc(64, (sums + 1) * SPHV_BLOCK * sizeof(double));
     worker->particle = malloc(SPHV_BLOCK * sizeof *worker->particle);
     worker->neighbours = malloc(SPHV_BLOCK * sizeof *worker->neighbours);
-    worker->rounding = malloc(SPHV_BLOCK * sizeof *worker->rounding);
-    worker->values = malloc((fields + 1) * SPHV_BLOCK * sizeof *worker->values);
+    worker->rounding = calloc(SPHV_BLOCK, sizeof *worker->rounding);
+    worker->values = calloc((fields + 1) * SPHV_BLOCK, sizeof *worker->values);
+    if (worker->block.sums) memset(worker->block.sums, 0, (sums + 1) * SPHV_BLOCK * sizeof(double));
     worker->block.particle = worker->particle;
     worker->block.neighbours = worker->neighbours;
     worker->block.rounding = worker->rounding;
@@ -71,6 +73,8 @@ void sphv_worker_finish_block(sphv_worker *worker, size_t first, size_t count)
     for (size_t f = 0; f < request->field_count; f++)
         for (size_t i = 0; i < count; i++)
             worker->values[f * worker->block.stride + i] = request->fields[f][worker->particle[i]];
+    if (worker->evaluation->watch)
+        worker->evaluation->watch(worker->evaluation->watcher, &worker->block);
     for (size_t m = 0; m < out->method_count; m++)
         sphv_solve_block(&worker->block, request, worker->values, &worker->methods[m]);
 }

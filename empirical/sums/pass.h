@@ -1,0 +1,61 @@
+/// \file pass.h
+/// One pass: a group of targets, one in each lane of a vector, over ranges of sources.
+///
+/// The same source (pass.c) is compiled for each instruction set; the best that the processor has
+/// is taken at run time.
+#ifndef SPHVERIFY_EMPIRICAL_PASS_H
+#define SPHVERIFY_EMPIRICAL_PASS_H
+
+#include "radial.h"
+
+enum {
+    SPHV_LANES_MAX = 8,
+    SPHV_PASS_FIELDS = 2, ///< fields in one pass
+    SPHV_PASS_SUMS = 256, ///< of one pass: moments, sizes, field sums
+};
+
+/// Particles as arrays, in units in which h is of the order of 1.
+typedef struct sphv_sources {
+    const double *x[SPHV_DIMENSIONS];
+    const double *v; ///< V/h^d
+    const double *field[SPHV_PASS_FIELDS];
+} sphv_sources;
+
+typedef struct sphv_range {
+    size_t from, to;
+} sphv_range;
+
+/// Targets, and room for their sums: all of them, sum k of lane l in sums[k * SPHV_LANES_MAX + l],
+/// in the order of a layout with `fields` fields, but as Σ v p_k d^α with d = x_b − x_a.
+typedef struct sphv_pass {
+    const sphv_radial *radial;
+    const sphv_sum_layout *layout;
+    sphv_sources sources;
+    double x[SPHV_DIMENSIONS][SPHV_LANES_MAX], a[SPHV_PASS_FIELDS][SPHV_LANES_MAX];
+    double neighbours[SPHV_LANES_MAX];
+    double *sums;
+} sphv_pass;
+
+typedef void sphv_pass_function(sphv_pass *pass, size_t count, const sphv_range *ranges);
+
+/// The sources of some ranges whose distance from a box may be below `limit`, copied one after the
+/// other. \param limit squared. \return their number
+typedef size_t sphv_gather_function(const sphv_sources *from, int dimension, int fields,
+                                    const double centre[SPHV_DIMENSIONS],
+                                    const double extent[SPHV_DIMENSIONS], double limit,
+                                    size_t count, const sphv_range *ranges, double *const *to);
+
+/// What an instruction set offers.
+typedef struct sphv_pass_set {
+    const char *name;
+    int lanes;
+    /// \param fields 1 or 2. \return the pass for such sums
+    sphv_pass_function *(*choose)(int dimension, sphv_sum_level level, int fields,
+                                  const sphv_radial *radial);
+    sphv_gather_function *gather;
+} sphv_pass_set;
+
+/// Instruction sets that this processor has, best first, ended by NULL.
+const sphv_pass_set *const *sphv_pass_sets(void);
+
+#endif
