@@ -204,9 +204,10 @@ sphv_status sphv_cell_grid_make(sphv_cell_grid *grid, const sphv_particles *part
                          "can be sorted",
                          grid->count);
     for (int i = 0; grid->count && i < grid->dimension; i++)
-        if (!(extent.high[i] - extent.low[i] < 1e150))
+        if (!(extent.high[i] - extent.low[i] < 1e15))
             return sphv_fail(error, SPHV_INVALID_INPUT,
-                             "particles are spread over more than 1e150 support radii");
+                             "particles are spread over more than 1e15 support radii: their "
+                             "coordinates do not tell which are neighbours");
     if (grid->count) choose_cells(grid, &extent);
     size_t rows = grid->cells[1] * grid->cells[2];
     if (!allocate_cells(grid, rows)) {

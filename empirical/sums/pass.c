@@ -43,33 +43,39 @@ SPHV_INLINE vec v_powered(const double *term, int low, int terms, vec t)
     return sum;
 }
 
-/// p_0, p_1 (and p_2) at q in each lane.
+/// v p_0, v p_1 (and v p_2) at a distance r in each lane.
 SPHV_INLINE void radial_functions(const sphv_radial *radial, const shape known, const int functions,
-                                  vec q, vec p[3])
+                                  vec r, vec v, vec w[3])
 {
-    const vec zero = v_set(0);
-    UNROLL for (int k = 0; k < functions; k++) p[k] = zero;
-    if (known.knots > 0) {
-        const int first_terms = known.form == SPHV_RADIAL_QUOTIENT ? known.terms - 1 : known.terms;
-        UNROLL for (int i = 0; i < known.knots; i++)
-        {
-            vec t = v_max(v_sub(v_set(radial->knot[i]), q), zero);
+    const vec zero = v_set(0), minus_inverse_h = v_set(-radial->inverse_h);
+    if (known.knots == 1 && known.form == SPHV_RADIAL_QUOTIENT) {
+        // Beyond the edge v is 0, and t^low at most 1e200 (cells.c keeps r below 1e15 h).
+        vec t = v_fma(r, minus_inverse_h, v_set(radial->knot[0]));
+        vec common = v_mul(v, v_power(t, known.low - 1));
+        w[0] = v_mul(v_mul(common, t), v_horner(radial->term[0][0], known.terms, t));
+        w[1] = v_mul(common, v_horner(radial->term[1][0], known.terms - 1, t));
+        return;
+    }
+    UNROLL for (int k = 0; k < functions; k++) w[k] = zero;
+    const int knots = known.knots > 0 ? known.knots : radial->knots;
+    UNROLL for (int i = 0; i < knots; i++)
+    {
+        vec t = v_max(v_fma(r, minus_inverse_h, v_set(radial->knot[i])), zero);
+        if (known.knots > 0) {
             vec common = v_power(t, known.low - 1);
             vec value = v_horner(radial->term[0][i], known.terms, t);
-            p[0] = v_fma(v_mul(common, t), value, p[0]);
-            p[1] = v_fma(common, v_horner(radial->term[1][i], first_terms, t), p[1]);
-        }
-    } else {
-        for (int i = 0; i < radial->knots; i++) {
-            vec t = v_max(v_sub(v_set(radial->knot[i]), q), zero);
-            UNROLL for (int k = 0; k < functions; k++) p[k] =
-                v_add(p[k], v_powered(radial->term[k][i], radial->low[k], radial->terms[k], t));
+            w[0] = v_fma(v_mul(common, t), value, w[0]);
+            w[1] = v_fma(common, v_horner(radial->term[1][i], known.terms, t), w[1]);
+        } else {
+            UNROLL for (int k = 0; k < functions; k++) w[k] =
+                v_add(w[k], v_powered(radial->term[k][i], radial->low[k], radial->terms[k], t));
         }
     }
+    UNROLL for (int k = 0; k < functions; k++) w[k] = v_mul(w[k], v);
     if (functions > 2 || known.form == SPHV_RADIAL_SLOPE) {
-        vec inverse = v_div_where(v_less(zero, q), v_set(1), q);
-        if (known.form == SPHV_RADIAL_SLOPE) p[1] = v_mul(p[1], inverse);
-        if (functions > 2) p[2] = v_mul(p[2], inverse);
+        vec inverse = v_div_where(v_less(zero, r), v_set(1), r);
+        if (known.form == SPHV_RADIAL_SLOPE) w[1] = v_mul(w[1], inverse);
+        if (functions > 2) w[2] = v_mul(w[2], inverse);
     }
 }
 
@@ -99,53 +105,67 @@ SPHV_INLINE int of_degree(const int dimension, const int degree)
     return dimension == 1 ? 1 : dimension == 2 ? degree + 1 : (degree + 1) * (degree + 2) / 2;
 }
 
-SPHV_INLINE int of_degrees(const int dimension, const sphv_degrees degrees)
+/// Number of monomials of degree < n.
+SPHV_INLINE int below_degree(const int dimension, const int n)
 {
-    int count = 0;
-    UNROLL for (int n = degrees.from; n <= degrees.to; n++) count += of_degree(dimension, n);
-    return count;
+    return dimension == 1 ? n : dimension == 2 ? n * (n + 1) / 2 : n * (n + 1) * (n + 2) / 6;
 }
 
-/// Adds w s^α to the moments and w s^α δA to the field sums of one radial function. Monomials of
-/// degree n come from those of degree n − 1, in the order of the table: all of them times x, those
-/// without x times y, and the last times z.
-SPHV_INLINE void add_terms(const int dimension, const sphv_degrees moment, const sphv_degrees field,
-                           const int fields, const int per_field, vec w, const vec d[3],
-                           const vec da[2], vec *moments, vec *sums)
+SPHV_INLINE int of_degrees(const int dimension, const sphv_degrees degrees)
 {
-    vec term[2][DEGREE_TERMS] = {{w}};
-    const int to = moment.to > field.to ? moment.to : field.to;
-    int moment_at = 0, field_at = 0;
-    UNROLL for (int n = 0; n <= to; n++)
+    if (degrees.from > degrees.to) return 0;
+    return below_degree(dimension, degrees.to + 1) - below_degree(dimension, degrees.from);
+}
+
+/// What one radial function adds to.
+typedef struct addition {
+    int dimension, fields, per_field;
+    sphv_degrees moment, field;
+} addition;
+
+/// Monomials of degree n times w, from those of degree n − 1 and in the order of the table: all of
+/// them times x, those without x times y, and the last times z. Adds them to the moments, and times
+/// δA to the field sums.
+SPHV_INLINE void add_degree(const addition to, const int n, const vec *before, vec *now,
+                            const vec d[3], const vec da[2], vec *moments, vec *sums)
+{
+    const int count = of_degree(to.dimension, n), earlier = n ? of_degree(to.dimension, n - 1) : 0;
+    const bool in_moments = n >= to.moment.from && n <= to.moment.to;
+    const bool in_sums = n >= to.field.from && n <= to.field.to;
+    const int moment_at = of_degrees(to.dimension, (sphv_degrees){to.moment.from, n - 1});
+    const int field_at = of_degrees(to.dimension, (sphv_degrees){to.field.from, n - 1});
+    const int fields_here = in_sums ? to.fields : 0;
+    const bool last = n >= to.moment.to && n >= to.field.to; // products are not needed again
+    const int made = n > 0 ? count : 0;
+    UNROLL for (int j = 0; j < made; j++)
     {
-        const vec *before = term[(n + 1) % 2];
-        vec *now = term[n % 2];
-        const int count = of_degree(dimension, n), earlier = n ? of_degree(dimension, n - 1) : 0;
-        const bool last = n > 0 && n == to && n > field.to; // these products are not needed again
-        UNROLL for (int j = 0; j < count && n > 0; j++)
-        {
-            const int axis = j < earlier ? 0 : dimension == 3 && j == count - 1 ? 2 : 1;
-            const int parent = axis == 0        ? j
-                               : axis == 2      ? earlier - 1
-                               : dimension == 3 ? earlier - n + (j - earlier)
-                                                : earlier - 1;
-            if (last)
-                moments[moment_at + j] = v_fma(before[parent], d[axis], moments[moment_at + j]);
-            else
-                now[j] = v_mul(before[parent], d[axis]);
-        }
-        if (n >= moment.from && n <= moment.to) {
-            UNROLL for (int j = 0; j < count && !last; j++) moments[moment_at + j] =
-                v_add(moments[moment_at + j], now[j]);
-            moment_at += count;
-        }
-        if (n >= field.from && n <= field.to) {
-            UNROLL for (int f = 0; f < fields; f++) UNROLL for (int j = 0; j < count; j++)
-                sums[f * per_field + field_at + j] =
-                    v_fma(now[j], da[f], sums[f * per_field + field_at + j]);
-            field_at += count;
-        }
+        const int axis = j < earlier ? 0 : to.dimension == 3 && j == count - 1 ? 2 : 1;
+        const int parent = axis == 0 ? j : axis == 1 && to.dimension == 3 ? j - n : earlier - 1;
+        if (last && !in_sums)
+            moments[moment_at + j] = v_fma(before[parent], d[axis], moments[moment_at + j]);
+        else
+            now[j] = v_mul(before[parent], d[axis]);
     }
+    const int moments_here = in_moments && (n == 0 || !last || in_sums) ? count : 0;
+    UNROLL for (int j = 0; j < moments_here; j++) moments[moment_at + j] =
+        v_add(moments[moment_at + j], now[j]);
+    UNROLL for (int f = 0; f < fields_here; f++) UNROLL for (int j = 0; j < count; j++)
+        sums[f * to.per_field + field_at + j] =
+            v_fma(now[j], da[f], sums[f * to.per_field + field_at + j]);
+}
+
+/// Adds w s^α and w s^α δA of one radial function, degree by degree.
+SPHV_INLINE void add_terms(const addition to, vec w, const vec d[3], const vec da[2], vec *moments,
+                           vec *sums)
+{
+    vec even[DEGREE_TERMS] = {w}, odd[DEGREE_TERMS] = {w};
+    const int degree = to.moment.to > to.field.to ? to.moment.to : to.field.to;
+    add_degree(to, 0, odd, even, d, da, moments, sums);
+    if (degree >= 1) add_degree(to, 1, even, odd, d, da, moments, sums);
+    if (degree >= 2) add_degree(to, 2, odd, even, d, da, moments, sums);
+    if (degree >= 3) add_degree(to, 3, even, odd, d, da, moments, sums);
+    if (degree >= 4) add_degree(to, 4, odd, even, d, da, moments, sums);
+    if (degree >= 5) add_degree(to, 5, even, odd, d, da, moments, sums);
 }
 
 /// The pass for one dimension, level, number of fields and shape, all known to the compiler.
@@ -163,7 +183,7 @@ SPHV_INLINE void run(sphv_pass *pass, size_t range_count, const sphv_range *rang
     }
     const int count = moments + 3 + fields * per_field;
     const sphv_radial *radial = pass->radial;
-    const vec limit = v_set(radial->limit), inverse_h = v_set(radial->inverse_h);
+    const vec limit = v_set(radial->limit);
     vec x[3], a[2], neighbours = v_set(0);
     UNROLL for (int i = 0; i < dimension; i++) x[i] = v_load(pass->x[i]);
     UNROLL for (int f = 0; f < fields; f++) a[f] = v_load(pass->a[f]);
@@ -174,7 +194,7 @@ SPHV_INLINE void run(sphv_pass *pass, size_t range_count, const sphv_range *rang
             vec sum[SPHV_PASS_SUMS];
             UNROLL for (int k = 0; k < count; k++) sum[k] = v_set(0);
             for (size_t b = from; b < to; b++) {
-                vec d[3], da[2], p[3], size[3], square = v_set(0);
+                vec d[3], da[2], w[3], size[3], square = v_set(0);
                 UNROLL for (int i = 0; i < dimension; i++)
                 {
                     d[i] = v_sub(v_set(pass->sources.x[i][b]), x[i]);
@@ -186,17 +206,19 @@ SPHV_INLINE void run(sphv_pass *pass, size_t range_count, const sphv_range *rang
                 vec v = v_where(near, v_set(pass->sources.v[b]));
                 neighbours = v_count(neighbours, near);
                 if (known.form == SPHV_RADIAL_PROFILE) {
-                    profile_functions(pass, square, p, size);
+                    profile_functions(pass, square, w, size);
+                    UNROLL for (int k = 0; k < 3; k++) w[k] = v_mul(w[k], v);
                     UNROLL for (int k = 0; k < 3; k++) sum[moments + k] =
                         v_fma(v_max(v, v_sub(v_set(0), v)), size[k], sum[moments + k]);
                 } else {
-                    radial_functions(radial, known, functions, v_mul(v_sqrt(square), inverse_h), p);
+                    radial_functions(radial, known, functions, v_sqrt(square), v, w);
                 }
                 int moment_at = 0, field_at = moments + 3;
                 UNROLL for (int k = 0; k < functions; k++)
                 {
-                    add_terms(dimension, set.moment[k], set.field[k], fields, per_field,
-                              v_mul(v, p[k]), d, da, sum + moment_at, sum + field_at);
+                    const addition terms = {dimension, fields, per_field, set.moment[k],
+                                            set.field[k]};
+                    add_terms(terms, w[k], d, da, sum + moment_at, sum + field_at);
                     moment_at += of_degrees(dimension, set.moment[k]);
                     field_at += of_degrees(dimension, set.field[k]);
                 }

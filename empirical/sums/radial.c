@@ -163,7 +163,12 @@ static bool compile(sphv_radial *radial, sphv_sum_level level)
     const double *slope = radial->slope;
     if (!bound(radial, 0, 0, slope[0])) return false;
     if (!bound(radial, 1, moment[1].from, slope[2 - moment[1].from])) return false;
-    return !second || bound(radial, 2, 2, 2 * slope[2]);
+    if (second && !bound(radial, 2, 2, 2 * slope[2])) return false;
+    // The passes divide by r.
+    for (int k = 0; k < 3; k++)
+        for (int i = 0; radial->over_q[k] && i < radial->knots; i++)
+            for (int j = 0; j < radial->terms[k]; j++) radial->term[k][i][j] *= radial->h;
+    return true;
 }
 
 void sphv_radial_make(sphv_radial *radial, const sphv_profile *profile, double h,

@@ -15,7 +15,8 @@ typedef enum sphv_radial_form {
     SPHV_RADIAL_PROFILE,  ///< each pair from the profile: slow, for every kernel
 } sphv_radial_form;
 
-/// p_k = Σ_i t_i^low Σ_j term[k][i][j] t_i^j, j < terms; divided by q where `over_q` says so.
+/// p_k = Σ_i t_i^low Σ_j term[k][i][j] t_i^j, j < terms; divided by r where `over_q` says so, the
+/// terms being multiplied by h already.
 typedef struct sphv_radial {
     const sphv_profile *profile;
     sphv_radial_form form;

@@ -6,6 +6,7 @@
 #include <stdio.h>
 
 #include "sphverify/check.h"
+#include "sphverify/convergence.h"
 #include "sphverify/scene.h"
 
 /// A file written under a temporary name beside its final one, so that a failure leaves nothing
@@ -37,6 +38,15 @@ sphv_status sphv_plot_scene(const sphv_scene_result *result, char **svg,
 sphv_status sphv_plot_kernel(const sphv_kernel *kernel, char **svg,
                              sphv_error *error) SPHV_MUST_CHECK;
 
+/// Draws a figure of a convergence scene: measured as curves, predicted as hollow points.
+/// \param plot index
+sphv_status sphv_plot_rates(const sphv_convergence_result *result, size_t plot, char **svg,
+                            sphv_error *error) SPHV_MUST_CHECK;
+
+/// Writes every norm of every quantity by every scheme at every level as CSV, 17 significant
+/// digits.
+void sphv_convergence_csv(FILE *stream, const sphv_convergence_result *result);
+
 /// Writes the points of a scene as CSV, 17 significant digits.
 void sphv_scene_csv(FILE *stream, const sphv_scene_result *result);
 
@@ -47,6 +57,8 @@ typedef struct sphv_report {
     sphv_agreement **agreements; ///< per kernel, NULL where it is not legal in one dimension
     sphv_check_report *checks;   ///< per kernel; NULL when the kernels were not checked
     sphv_scene_result **scenes;
+    size_t convergence_count;
+    sphv_convergence_result **convergences;
     sphv_verdict verdict;
     double seconds;
 } sphv_report;

@@ -62,26 +62,42 @@ static sphv_status run_kernels(const sphv_arguments *arguments, sphv_catalogue *
     return first;
 }
 
+static sphv_status run_one(const sphv_any_scene *scene, sphv_report *report, sphv_error *error)
+{
+    if (scene->scene) {
+        sphv_scene_result **result = &report->scenes[report->scene_count];
+        sphv_status status = sphv_scene_run(scene->scene, NULL, NULL, result, error);
+        if (status != SPHV_OK) return status;
+        report->scene_count++;
+        report->verdict = sphv_verdict_worse(report->verdict, (*result)->verdict);
+        return SPHV_OK;
+    }
+    sphv_convergence_result **result = &report->convergences[report->convergence_count];
+    sphv_status status = sphv_convergence_run(scene->convergence, NULL, NULL, result, error);
+    if (status != SPHV_OK) return status;
+    report->convergence_count++;
+    report->verdict = sphv_verdict_worse(report->verdict, (*result)->verdict);
+    return SPHV_OK;
+}
+
 static sphv_status run_scenes(const sphv_arguments *arguments, const sphv_file_list *files,
-                              sphv_scene **scenes, sphv_report *report, sphv_error *error)
+                              sphv_any_scene *scenes, sphv_report *report, sphv_error *error)
 {
     sphv_status status = SPHV_OK;
     report->scenes = calloc(files->count + 1, sizeof(sphv_scene_result *));
-    if (!report->scenes) return sphv_fail(error, SPHV_RESOURCE_FAILURE, "out of memory");
+    report->convergences = calloc(files->count + 1, sizeof(sphv_convergence_result *));
+    if (!report->scenes || !report->convergences)
+        return sphv_fail(error, SPHV_RESOURCE_FAILURE, "out of memory");
     for (size_t i = 0; status == SPHV_OK && i < files->count; i++) {
         double share = (double)i / (double)files->count;
         sphv_progress_bar("scenes ", kernel_share + (1 - kernel_share) * share);
-        status = sphv_scene_load(arguments->data_directory, files->paths[i], &scenes[i], error);
-        if (status == SPHV_OK)
-            status = sphv_scene_run(scenes[i], NULL, NULL, &report->scenes[i], error);
-        if (status != SPHV_OK) break;
-        report->scene_count = i + 1;
-        report->verdict = sphv_verdict_worse(report->verdict, report->scenes[i]->verdict);
+        status = sphv_any_scene_load(arguments->data_directory, files->paths[i], &scenes[i], error);
+        if (status == SPHV_OK) status = run_one(&scenes[i], report, error);
     }
     return status;
 }
 
-static void free_report(sphv_report *report, sphv_catalogue *catalogue, sphv_scene **scenes,
+static void free_report(sphv_report *report, sphv_catalogue *catalogue, sphv_any_scene *scenes,
                         const sphv_file_list *files)
 {
     for (size_t i = 0; report->agreements && i < catalogue->count; i++)
@@ -90,8 +106,10 @@ static void free_report(sphv_report *report, sphv_catalogue *catalogue, sphv_sce
         sphv_check_free(&report->checks[i]);
     for (size_t i = 0; i < files->count; i++) {
         if (report->scenes) sphv_scene_result_free(report->scenes[i]);
-        if (scenes) sphv_scene_free(scenes[i]);
+        if (report->convergences) sphv_convergence_result_free(report->convergences[i]);
+        if (scenes) sphv_any_scene_free(&scenes[i]);
     }
+    free(report->convergences);
     free(report->agreements);
     free(report->checks);
     free(report->scenes);
@@ -103,14 +121,15 @@ static void print_summary(const sphv_arguments *arguments, const sphv_report *re
 {
     json_t *files = json_pack("[s+, s+, s+]", directory, "/index.html", directory, "/report.json",
                               directory, "/report.md");
-    json_t *summary = json_pack(
-        "{s:s, s:I, s:I, s:b, s:o, s:o}", "verdict", sphv_verdict_name(report->verdict), "kernels",
-        (json_int_t)report->kernel_count, "scenes", (json_int_t)report->scene_count, "plots",
-        !plots_missing, "seconds", sphv_json_number(report->seconds), "files", files);
+    json_t *summary =
+        json_pack("{s:s, s:I, s:I, s:b, s:o, s:o}", "verdict", sphv_verdict_name(report->verdict),
+                  "kernels", (json_int_t)report->kernel_count, "scenes",
+                  (json_int_t)(report->scene_count + report->convergence_count), "plots",
+                  !plots_missing, "seconds", sphv_json_number(report->seconds), "files", files);
     if (arguments->format == SPHV_FORMAT_TEXT) {
         printf("%s: %zu kernels and %zu scenes (%.1f s)\n%s/index.html\n",
-               sphv_verdict_name(report->verdict), report->kernel_count, report->scene_count,
-               report->seconds, directory);
+               sphv_verdict_name(report->verdict), report->kernel_count,
+               report->scene_count + report->convergence_count, report->seconds, directory);
     } else if (arguments->format == SPHV_FORMAT_JSON) {
         sphv_print_json(summary);
     } else {
@@ -134,7 +153,7 @@ static int run(const sphv_arguments *arguments)
     struct timespec start;
     sphv_catalogue catalogue = {0, NULL};
     sphv_file_list files = {0, NULL};
-    sphv_scene **scenes = NULL;
+    sphv_any_scene *scenes = NULL;
     sphv_report report = {.verdict = SPHV_AGREES};
     sphv_error error;
     bool plots_missing = false;
@@ -144,7 +163,7 @@ static int run(const sphv_arguments *arguments)
     if (status == SPHV_OK)
         status = sphv_file_list_read(arguments->data_directory, "scenes", ".yaml", &files, &error);
     if (status == SPHV_OK) {
-        scenes = calloc(files.count + 1, sizeof(sphv_scene *));
+        scenes = calloc(files.count + 1, sizeof *scenes);
         status = scenes ? run_kernels(arguments, &catalogue, &report, &error)
                         : sphv_fail(&error, SPHV_RESOURCE_FAILURE, "out of memory");
     }

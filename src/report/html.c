@@ -183,8 +183,10 @@ static void put_head(FILE *stream, const sphv_rendering *rendering)
           "page.</p></header>\n"
           "<nav aria-label=\"Contents\"><ul><li><a href=\"#verdicts\">Verdicts</a>"
           "<li><a href=\"#reading\">How to read it</a><li><a href=\"#slips\">Slips of the "
-          "paper</a><li><a href=\"#disorder\">Disorder</a><li><a "
-          "href=\"#kernels\">Kernels</a><li><a href=\"#scenes\">Scenes</a>"
+          "paper</a><li><a href=\"#disorder\">Disorder</a>",
+          stream);
+    if (report->convergence_count) fputs("<li><a href=\"#rates\">Rates</a>", stream);
+    fputs("<li><a href=\"#kernels\">Kernels</a><li><a href=\"#scenes\">Scenes</a>"
           "</ul></nav>\n<main>\n",
           stream);
     if (rendering->plots_missing) {
@@ -218,6 +220,10 @@ void sphv_render_html(FILE *stream, const sphv_rendering *rendering)
     sphv_html_slips(stream, &rendering->slips);
     fputs("</section>\n<section id=disorder><h2>Disorder</h2>\n", stream);
     sphv_html_disorder(stream, rendering);
+    if (rendering->report->convergence_count) {
+        fputs("</section>\n<section id=rates><h2>Rates of convergence</h2>\n", stream);
+        sphv_html_rates(stream, rendering);
+    }
     fputs("</section>\n<section id=kernels><h2>Kernels</h2>\n", stream);
     put_list(stream, rendering, true);
     for (size_t i = 0; i < rendering->report->kernel_count; i++)

@@ -47,6 +47,9 @@ void sphv_html_figure(FILE *stream, const sphv_rendering *rendering, const char 
 void sphv_html_slips(FILE *stream, const sphv_slips *slips);
 void sphv_html_disorder(FILE *stream, const sphv_rendering *rendering);
 void sphv_html_kernel(FILE *stream, const sphv_rendering *rendering, size_t index);
+/// The convergence scenes: what becomes of their tables, then each.
+void sphv_html_rates(FILE *stream, const sphv_rendering *rendering);
+void sphv_html_convergence(FILE *stream, const sphv_rendering *rendering, size_t index);
 void sphv_html_scene(FILE *stream, const sphv_rendering *rendering, size_t index);
 
 #endif

@@ -1,4 +1,5 @@
 #include <math.h>
+#include <string.h>
 
 #include "html.h"
 #include "text.h"
@@ -13,14 +14,24 @@ static void put_found(FILE *stream, int rule, const sphv_claim_result *found)
     sphv_html_verdict(stream, found->verdict);
 }
 
-static void put_scene_link(FILE *stream, const sphv_rendering *rendering, const sphv_scene *scene)
+static void put_scene_link(FILE *stream, const sphv_rendering *rendering, const char *name)
 {
-    for (size_t i = 0; i < rendering->report->scene_count; i++)
-        if (rendering->report->scenes[i]->scene == scene) {
-            fprintf(stream, "<a href=\"#scene-%zu\">", i);
-            sphv_put_html(stream, scene->name);
-            fputs("</a>", stream);
+    const sphv_report *report = rendering->report;
+    const char *kind = NULL;
+    size_t index = 0;
+    for (size_t i = 0; !kind && i < report->scene_count; i++)
+        if (strcmp(report->scenes[i]->scene->name, name) == 0) {
+            kind = "scene";
+            index = i;
         }
+    for (size_t i = 0; !kind && i < report->convergence_count; i++)
+        if (strcmp(report->convergences[i]->scene->name, name) == 0) {
+            kind = "rates";
+            index = i;
+        }
+    if (kind) fprintf(stream, "<a href=\"#%s-%zu\">", kind, index);
+    sphv_put_html(stream, name);
+    if (kind) fputs("</a>", stream);
 }
 
 static void put_rules(FILE *stream, const sphv_rendering *rendering)
@@ -50,7 +61,7 @@ static void put_rules(FILE *stream, const sphv_rendering *rendering)
     for (size_t i = 0; i < rules->count; i++) {
         const sphv_rule_row *row = &rules->rows[i];
         fputs("<tr><th scope=row>", stream);
-        put_scene_link(stream, rendering, row->scene);
+        put_scene_link(stream, rendering, row->scene->name);
         sphv_html_text_cell(stream, row->claim->statement);
         fputs("<br><span class=soft>", stream);
         sphv_put_html(stream, row->claim->measure->name);
@@ -67,7 +78,8 @@ static void put_rules(FILE *stream, const sphv_rendering *rendering)
     sphv_html_table_end(stream);
 }
 
-static void put_worst(FILE *stream, const sphv_rendering *rendering, const sphv_faults *faults)
+static void put_worst(FILE *stream, const sphv_rendering *rendering,
+                      const sphv_fault_counts *faults)
 {
     fputs("<td class=t>", stream);
     if (!faults->worst_scene) {
@@ -75,7 +87,7 @@ static void put_worst(FILE *stream, const sphv_rendering *rendering, const sphv_
         return;
     }
     put_scene_link(stream, rendering, faults->worst_scene);
-    fputs(", h/λ = ", stream);
+    fputs(", h = ", stream);
     sphv_html_number(stream, faults->worst_h, 3);
     fputs(", Δx/h = ", stream);
     sphv_html_number(stream, faults->worst_spacing, 3);
@@ -84,21 +96,25 @@ static void put_worst(FILE *stream, const sphv_rendering *rendering, const sphv_
 static void put_methods(FILE *stream, const sphv_rendering *rendering)
 {
     fputs("<h3>Where methods fail</h3>\n<p>Estimates over all scenes. A particle without a usable "
-          "estimate (moment matrix singular, its condition number above 1/√ε, or a result that is "
-          "not finite) is counted here and left out of the norms.</p>\n" SPHV_HTML_SCROLL
+          "estimate (no neighbours, fewer than unknowns, moment matrix singular, its condition "
+          "number above 1/√ε, or a result that is not finite) is counted here and left out of the "
+          "norms. Curves are those of scenes in one dimension and the schemes of convergence "
+          "scenes.</p>\n" SPHV_HTML_SCROLL
           "<table><thead><tr><th scope=col rowspan=2>Method<th scope=col rowspan=2>Curves"
-          "<th scope=col rowspan=2>Estimates<th scope=colgroup colspan=4>Without a usable result"
-          "<th scope=colgroup colspan=2>Worst condition number<tr><th scope=col>singular"
+          "<th scope=col rowspan=2>Estimates<th scope=colgroup colspan=6>Without a usable result"
+          "<th scope=colgroup colspan=2>Worst condition number<tr><th scope=col>isolated"
+          "<th scope=col>too few neigh&shy;bours<th scope=col>singular"
           "<th scope=col>ill-conditioned<th scope=col>not finite<th scope=col>share"
           "<th scope=col>value<th scope=col class=t>met in</thead>\n<tbody>\n",
           stream);
     for (size_t i = 0; i < rendering->method_count; i++) {
         const sphv_method_facts *of = &rendering->methods[i];
-        const sphv_faults *faults = &of->faults;
-        long failed = faults->singular + faults->ill_conditioned + faults->not_finite;
+        const sphv_fault_counts *faults = &of->faults;
+        long failed = sphv_faults_sum(faults);
         sphv_html_row_begin(stream, of->name);
-        fprintf(stream, "<td>%zu<td>%ld<td>%ld<td>%ld<td>%ld<td>", of->curves, faults->estimates,
-                faults->singular, faults->ill_conditioned, faults->not_finite);
+        fprintf(stream, "<td>%zu<td>%ld<td>%ld<td>%ld<td>%ld<td>%ld<td>%ld<td>", of->curves,
+                faults->estimates, faults->isolated, faults->too_few, faults->singular,
+                faults->ill_conditioned, faults->not_finite);
         sphv_html_number(
             stream, faults->estimates ? 100 * (double)failed / (double)faults->estimates : NAN, 2);
         fputs(faults->estimates ? " %" : "", stream);

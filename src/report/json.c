@@ -1,6 +1,7 @@
 #include <jansson.h>
 #include <math.h>
 
+#include "convergence_json.h"
 #include "json_parts.h"
 #include "rendering.h"
 #include "scene_json.h"
@@ -170,11 +171,11 @@ static json_t *sample_json(const sphv_scene *scene, const sphv_sample *sample)
                   "verdict", sphv_verdict_name(point->verdict));
     if (point->statistical) {
         const sphv_disorder_measurement *found = &point->disorder;
-        sphv_faults faults = {.estimates = found->particles,
-                              .singular = found->singular,
-                              .ill_conditioned = found->ill_conditioned,
-                              .not_finite = found->not_finite,
-                              .worst_condition = found->worst_condition};
+        sphv_fault_counts faults = {.estimates = found->particles,
+                                    .singular = found->singular,
+                                    .ill_conditioned = found->ill_conditioned,
+                                    .not_finite = found->not_finite,
+                                    .worst_condition = found->worst_condition};
         json_object_set_new(object, "realisations", json_integer(found->realisations));
         json_object_set_new(object, "faults", sphv_faults_json(true, &faults));
     }
@@ -231,10 +232,9 @@ static json_t *methods_json(const sphv_rendering *rendering)
     json_t *rows = json_array();
     for (size_t i = 0; i < rendering->method_count; i++) {
         const sphv_method_facts *of = &rendering->methods[i];
-        const sphv_scene *scene = of->faults.worst_scene;
         json_t *row = sphv_faults_json(true, &of->faults);
         json_object_set_new(row, "method", json_string(of->name));
-        json_object_set_new(row, "worst_scene", sphv_json_text_or_null(scene ? scene->name : NULL));
+        json_object_set_new(row, "worst_scene", sphv_json_text_or_null(of->faults.worst_scene));
         json_object_set_new(row, "worst_h", sphv_json_number(of->faults.worst_h));
         json_object_set_new(row, "worst_spacing", sphv_json_number(of->faults.worst_spacing));
         json_array_append_new(rows, row);
@@ -285,18 +285,20 @@ static json_t *knot_slip_json(const sphv_slips *slips)
 bool sphv_render_json(FILE *stream, const sphv_rendering *rendering)
 {
     const sphv_report *report = rendering->report;
-    json_t *kernels = json_array(), *scenes = json_array();
+    json_t *kernels = json_array(), *scenes = json_array(), *rates = json_array();
     for (size_t i = 0; i < report->kernel_count; i++)
         json_array_append_new(kernels, kernel_json(&rendering->facts[i]));
     for (size_t i = 0; i < report->scene_count; i++)
         json_array_append_new(scenes, scene_with_curves(report->scenes[i]));
-    json_t *root = json_pack("{s:s, s:o, s:{s:o, s:o}, s:{s:o, s:o}, s:o, s:o}", "verdict",
+    for (size_t i = 0; i < report->convergence_count; i++)
+        json_array_append_new(rates, sphv_convergence_json(report->convergences[i]));
+    json_t *root = json_pack("{s:s, s:o, s:{s:o, s:o}, s:{s:o, s:o}, s:o, s:o, s:o}", "verdict",
                              sphv_verdict_name(sphv_rendering_verdict(rendering)), "seconds",
                              sphv_json_number(report->seconds), "slips", "sign",
                              sign_slips_json(&rendering->slips), "interior_knots",
                              knot_slip_json(&rendering->slips), "disorder", "volume_rules",
                              rules_json(&rendering->rules), "methods", methods_json(rendering),
-                             "kernels", kernels, "scenes", scenes);
+                             "kernels", kernels, "scenes", scenes, "convergence", rates);
     // A failure to write shows in the stream; only memory is reported here.
     if (root) (void)json_dumpf(root, stream, JSON_COMPACT | JSON_REAL_PRECISION(17));
     fputc('\n', stream);

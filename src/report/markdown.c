@@ -304,6 +304,7 @@ void sphv_render_markdown(FILE *stream, const sphv_rendering *rendering)
     }
     put_slips(stream, &rendering->slips);
     sphv_markdown_disorder(stream, rendering);
+    sphv_markdown_rates(stream, rendering);
     fputs("\n## Kernels\n", stream);
     for (size_t i = 0; i < report->kernel_count; i++) put_kernel(stream, &rendering->facts[i]);
     fputs("\n## Scenes\n", stream);

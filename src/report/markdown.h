@@ -16,6 +16,10 @@ void sphv_markdown_tally_cell(FILE *stream, const size_t counts[3]);
 /// Volume rules side by side, and failures by method.
 void sphv_markdown_disorder(FILE *stream, const sphv_rendering *rendering);
 
+/// The tables of rates.
+void sphv_markdown_rates(FILE *stream, const sphv_rendering *rendering);
+void sphv_markdown_convergence(FILE *stream, const sphv_convergence_result *result);
+
 /// The curves of a statistical scene.
 void sphv_markdown_curves(FILE *stream, const sphv_scene_result *result);
 

@@ -34,10 +34,10 @@ static void put_rules(FILE *stream, const sphv_rule_comparison *rules)
     }
 }
 
-static void put_fault_cells(FILE *stream, const sphv_faults *faults)
+static void put_fault_cells(FILE *stream, const sphv_fault_counts *faults)
 {
-    fprintf(stream, "%ld | %ld | %ld | %ld | ", faults->estimates, faults->singular,
-            faults->ill_conditioned, faults->not_finite);
+    fprintf(stream, "%ld | %ld | %ld | %ld | %ld | %ld | ", faults->estimates, faults->isolated,
+            faults->too_few, faults->singular, faults->ill_conditioned, faults->not_finite);
     sphv_markdown_number_cell(stream, faults->worst_condition, 3);
 }
 
@@ -45,11 +45,11 @@ void sphv_markdown_disorder(FILE *stream, const sphv_rendering *rendering)
 {
     fputs("\n## Disorder\n", stream);
     put_rules(stream, &rendering->rules);
-    fputs(
-        "\n### Where methods fail\n\n"
-        "| Method | Curves | Estimates | Singular | Ill-conditioned | Not finite | Worst condition "
-        "number |\n|---|---|---|---|---|---|---|\n",
-        stream);
+    fputs("\n### Where methods fail\n\n"
+          "| Method | Curves | Estimates | Isolated | Too few neighbours | Singular | "
+          "Ill-conditioned | "
+          "Not finite | Worst condition number |\n|---|---|---|---|---|---|---|---|---|\n",
+          stream);
     for (size_t i = 0; i < rendering->method_count; i++) {
         fputs("| ", stream);
         sphv_markdown_text_cell(stream, rendering->methods[i].name);
@@ -62,11 +62,11 @@ void sphv_markdown_disorder(FILE *stream, const sphv_rendering *rendering)
 void sphv_markdown_curves(FILE *stream, const sphv_scene_result *result)
 {
     const sphv_scene *scene = result->scene;
-    fputs(
-        "\n| Curve | Kernel | Method | Layout | Volumes | σ/Δx | Seed | Realisations | Points | "
-        "Largest relative difference | Estimates | Singular | Ill-conditioned | Not finite | Worst "
-        "condition number |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
-        stream);
+    fputs("\n| Curve | Kernel | Method | Layout | Volumes | σ/Δx | Seed | Realisations | Points | "
+          "Largest relative difference | Estimates | Isolated | Too few neighbours | Singular | "
+          "Ill-conditioned | Not finite | Worst condition number "
+          "|\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
+          stream);
     for (size_t c = 0; c < scene->curve_count; c++) {
         sphv_curve_facts facts = sphv_curve_facts_collect(result, c);
         char realisations[SPHV_REALISATIONS_TEXT];

@@ -35,9 +35,11 @@ void sphv_plot_log_axis(FILE *script, char axis, double from, double to);
 sphv_status sphv_plot_finish(sphv_plot_script *script, const char *id, const char *title,
                              char **svg, sphv_error *error) SPHV_MUST_CHECK;
 
-/// sphv_plot_scene and sphv_plot_kernel with the prefix of the ids in the picture.
+/// sphv_plot_scene, sphv_plot_rates and sphv_plot_kernel with the prefix of the ids in the picture.
 sphv_status sphv_plot_scene_as(const sphv_scene_result *result, const char *id, char **svg,
                                sphv_error *error) SPHV_MUST_CHECK;
+sphv_status sphv_plot_rates_as(const sphv_convergence_result *result, size_t plot, const char *id,
+                               char **svg, sphv_error *error) SPHV_MUST_CHECK;
 sphv_status sphv_plot_kernel_as(const sphv_kernel *kernel, const char *id, char **svg,
                                 sphv_error *error) SPHV_MUST_CHECK;
 

@@ -16,6 +16,7 @@ typedef struct sphv_rendering {
     size_t method_count;
     sphv_method_facts *methods;         ///< the methods that the scenes use
     char **kernel_plots, **scene_plots; ///< SVG, NULL where there is none
+    char ***rate_plots;                 ///< [convergence scene][plot]
     bool plots_missing;
     sphv_error plot_error; ///< why, where plots are missing
 } sphv_rendering;

@@ -51,27 +51,42 @@ size_t sphv_scene_expected_claims(const sphv_scene_result *result)
     return expected;
 }
 
+/// Draws the plot that stands at a place in the list of all: kernels, scenes, then the figures of
+/// each convergence scene.
+static sphv_status draw_plot(sphv_rendering *rendering, size_t place, sphv_error *error)
+{
+    const sphv_report *report = rendering->report;
+    char id[48];
+    if (place < report->kernel_count) {
+        snprintf(id, sizeof id, "k%zu", place);
+        return sphv_plot_kernel_as(report->kernels[place], id, &rendering->kernel_plots[place],
+                                   error);
+    }
+    place -= report->kernel_count;
+    if (place < report->scene_count) {
+        snprintf(id, sizeof id, "s%zu", place);
+        return sphv_plot_scene_as(report->scenes[place], id, &rendering->scene_plots[place], error);
+    }
+    place -= report->scene_count;
+    size_t index = 0;
+    while (place >= report->convergences[index]->scene->plot_count)
+        place -= report->convergences[index++]->scene->plot_count;
+    snprintf(id, sizeof id, "c%zu-%zu", index, place);
+    return sphv_plot_rates_as(report->convergences[index], place, id,
+                              &rendering->rate_plots[index][place], error);
+}
+
 /// Draws all plots, two or more at a time.
 static void draw_plots(sphv_rendering *rendering)
 {
     const sphv_report *report = rendering->report;
     long count = (long)(report->kernel_count + report->scene_count);
+    for (size_t i = 0; i < report->convergence_count; i++)
+        count += (long)report->convergences[i]->scene->plot_count;
 #pragma omp parallel for schedule(dynamic, 1)
     for (long i = 0; i < count; i++) {
         sphv_error error;
-        sphv_status status;
-        char id[32];
-        if (i < (long)report->kernel_count) {
-            snprintf(id, sizeof id, "k%ld", i);
-            status =
-                sphv_plot_kernel_as(report->kernels[i], id, &rendering->kernel_plots[i], &error);
-        } else {
-            long scene = i - (long)report->kernel_count;
-            snprintf(id, sizeof id, "s%ld", scene);
-            status = sphv_plot_scene_as(report->scenes[scene], id, &rendering->scene_plots[scene],
-                                        &error);
-        }
-        if (status != SPHV_OK) {
+        if (draw_plot(rendering, (size_t)i, &error) != SPHV_OK) {
 #pragma omp critical(sphv_report_plots)
             {
                 rendering->plots_missing = true;
@@ -81,13 +96,28 @@ static void draw_plots(sphv_rendering *rendering)
     }
 }
 
+/// Room for the figures of the convergence scenes.
+static bool make_rate_plots(sphv_rendering *rendering)
+{
+    const sphv_report *report = rendering->report;
+    rendering->rate_plots = calloc(report->convergence_count + 1, sizeof *rendering->rate_plots);
+    bool whole = rendering->rate_plots != NULL;
+    for (size_t i = 0; whole && i < report->convergence_count; i++) {
+        size_t plots = report->convergences[i]->scene->plot_count;
+        rendering->rate_plots[i] = calloc(plots + 1, sizeof **rendering->rate_plots);
+        whole = rendering->rate_plots[i] != NULL;
+    }
+    return whole;
+}
+
 static sphv_status prepare(sphv_rendering *rendering, sphv_error *error)
 {
     const sphv_report *report = rendering->report;
     rendering->facts = calloc(report->kernel_count + 1, sizeof *rendering->facts);
     rendering->kernel_plots = calloc(report->kernel_count + 1, sizeof *rendering->kernel_plots);
     rendering->scene_plots = calloc(report->scene_count + 1, sizeof *rendering->scene_plots);
-    if (!rendering->facts || !rendering->kernel_plots || !rendering->scene_plots)
+    bool room = make_rate_plots(rendering);
+    if (!rendering->facts || !rendering->kernel_plots || !rendering->scene_plots || !room)
         return sphv_fail(error, SPHV_RESOURCE_FAILURE, "out of memory");
     long count = (long)report->kernel_count;
 #pragma omp parallel for schedule(dynamic, 1)
@@ -108,6 +138,13 @@ static void release(sphv_rendering *rendering)
         free(rendering->kernel_plots[i]);
     for (size_t i = 0; rendering->scene_plots && i < rendering->report->scene_count; i++)
         free(rendering->scene_plots[i]);
+    for (size_t i = 0; rendering->rate_plots && i < rendering->report->convergence_count; i++) {
+        size_t plots = rendering->report->convergences[i]->scene->plot_count;
+        for (size_t p = 0; rendering->rate_plots[i] && p < plots; p++)
+            free(rendering->rate_plots[i][p]);
+        free(rendering->rate_plots[i]);
+    }
+    free(rendering->rate_plots);
     free(rendering->kernel_plots);
     free(rendering->scene_plots);
     free(rendering->facts);

@@ -3,11 +3,14 @@
 #include <math.h>
 #include <stdlib.h>
 
-static const sphv_faults no_faults = {.worst_condition = NAN, .worst_h = NAN, .worst_spacing = NAN};
+static const sphv_fault_counts no_faults = {
+    .worst_condition = NAN, .worst_h = NAN, .worst_spacing = NAN};
 
-static void add_faults(sphv_faults *to, const sphv_faults *part)
+static void add_faults(sphv_fault_counts *to, const sphv_fault_counts *part)
 {
     to->estimates += part->estimates;
+    to->isolated += part->isolated;
+    to->too_few += part->too_few;
     to->singular += part->singular;
     to->ill_conditioned += part->ill_conditioned;
     to->not_finite += part->not_finite;
@@ -18,18 +21,23 @@ static void add_faults(sphv_faults *to, const sphv_faults *part)
     to->worst_scene = part->worst_scene;
 }
 
-static sphv_faults faults_of(const sphv_scene *scene, const sphv_sample *sample)
+static sphv_fault_counts faults_of(const sphv_scene *scene, const sphv_sample *sample)
 {
     const sphv_disorder_measurement *found = &sample->point.disorder;
-    sphv_faults faults = no_faults;
+    sphv_fault_counts faults = no_faults;
     if (scene->abscissa == SPHV_OVER_Q) return faults;
     if (!sample->point.statistical) {
         faults.estimates = sample->point.empirical.particles;
         return faults;
     }
-    return (sphv_faults){
-        found->particles,       found->singular, found->ill_conditioned, found->not_finite,
-        found->worst_condition, sample->h,       sample->spacing.value,  scene};
+    return (sphv_fault_counts){.estimates = found->particles,
+                               .singular = found->singular,
+                               .ill_conditioned = found->ill_conditioned,
+                               .not_finite = found->not_finite,
+                               .worst_condition = found->worst_condition,
+                               .worst_h = sample->h,
+                               .worst_spacing = sample->spacing.value,
+                               .worst_scene = scene->name};
 }
 
 static void add_sample(sphv_curve_facts *facts, const sphv_scene *scene, const sphv_sample *sample)
@@ -45,7 +53,7 @@ static void add_sample(sphv_curve_facts *facts, const sphv_scene *scene, const s
         double off = fabs(point->analytic.l2.value / point->empirical.l2.value - 1);
         if (isfinite(off) && !(off <= facts->relative)) facts->relative = off;
     }
-    sphv_faults faults = faults_of(scene, sample);
+    sphv_fault_counts faults = faults_of(scene, sample);
     add_faults(&facts->faults, &faults);
     if (!point->statistical) return;
     int realisations = point->disorder.realisations;
@@ -53,6 +61,34 @@ static void add_sample(sphv_curve_facts *facts, const sphv_scene *scene, const s
         facts->realisations_least = realisations;
     if (realisations > facts->realisations_most) facts->realisations_most = realisations;
     facts->statistical = true;
+}
+
+long sphv_faults_sum(const sphv_fault_counts *faults)
+{
+    return faults->isolated + faults->too_few + faults->singular + faults->ill_conditioned +
+           faults->not_finite;
+}
+
+sphv_fault_counts sphv_scheme_faults(const sphv_convergence_result *result, size_t scheme)
+{
+    sphv_fault_counts faults = no_faults;
+    if (!result->scene->schemes[scheme].has_method) return faults;
+    for (size_t l = 0; l < result->scene->level_count; l++) {
+        const sphv_stage *stage = sphv_convergence_stage(result, l, scheme);
+        const size_t *of = stage->faults;
+        sphv_fault_counts part = {.estimates = (long)stage->particles,
+                                  .isolated = (long)of[SPHV_FAULT_ISOLATED],
+                                  .too_few = (long)of[SPHV_FAULT_TOO_FEW],
+                                  .singular = (long)of[SPHV_FAULT_SINGULAR],
+                                  .ill_conditioned = (long)of[SPHV_FAULT_ILL_CONDITIONED],
+                                  .not_finite = (long)of[SPHV_FAULT_NOT_FINITE],
+                                  .worst_condition = stage->worst_condition,
+                                  .worst_h = stage->h,
+                                  .worst_spacing = stage->spacing / stage->h,
+                                  .worst_scene = result->scene->name};
+        add_faults(&faults, &part);
+    }
+    return faults;
 }
 
 sphv_curve_facts sphv_curve_facts_collect(const sphv_scene_result *result, size_t curve)
@@ -103,6 +139,16 @@ sphv_method_facts *sphv_method_facts_collect(const sphv_report *report, size_t *
             add_faults(&of->faults, &curve.faults);
         }
     }
+    for (size_t c = 0; c < report->convergence_count; c++) {
+        const sphv_convergence_result *result = report->convergences[c];
+        for (size_t i = 0; i < result->scene->scheme_count; i++) {
+            if (!result->scene->schemes[i].has_method) continue;
+            sphv_method_facts *of = &facts[result->scene->schemes[i].method];
+            sphv_fault_counts scheme = sphv_scheme_faults(result, i);
+            of->curves++;
+            add_faults(&of->faults, &scheme);
+        }
+    }
     for (size_t m = 0; m < methods; m++)
         if (facts[m].curves) facts[used++] = facts[m];
     *count = used;
@@ -121,12 +167,14 @@ const char *sphv_realisations_text(char text[SPHV_REALISATIONS_TEXT], const sphv
     return text;
 }
 
-void sphv_faults_text(char *text, size_t size, const sphv_faults *faults)
+void sphv_faults_text(char *text, size_t size, const sphv_fault_counts *faults)
 {
     const struct {
         const char *name;
         long count;
-    } reasons[] = {{"singular", faults->singular},
+    } reasons[] = {{"isolated", faults->isolated},
+                   {"too few neighbours", faults->too_few},
+                   {"singular", faults->singular},
                    {"ill-conditioned", faults->ill_conditioned},
                    {"not finite", faults->not_finite}};
     size_t used = 0;

@@ -3,15 +3,16 @@
 #ifndef SPHVERIFY_REPORT_SCENE_FACTS_H
 #define SPHVERIFY_REPORT_SCENE_FACTS_H
 
+#include "sphverify/convergence.h"
 #include "sphverify/report.h"
 
 /// Estimates made and those without a usable result, by reason.
-typedef struct sphv_faults {
-    long estimates, singular, ill_conditioned, not_finite;
+typedef struct sphv_fault_counts {
+    long estimates, isolated, too_few, singular, ill_conditioned, not_finite;
     double worst_condition; ///< NaN where no condition number was met
     double worst_h, worst_spacing;
-    const sphv_scene *worst_scene; ///< where it was met
-} sphv_faults;
+    const char *worst_scene; ///< name of the scene where it was met; NULL
+} sphv_fault_counts;
 
 /// The parts of an experiment that a curve keeps, as words; "" or NaN where they do not apply.
 typedef struct sphv_curve_facts {
@@ -23,7 +24,7 @@ typedef struct sphv_curve_facts {
     double relative;                      ///< largest |prediction/measurement − 1|; NaN over q
     bool statistical;                     ///< a point is a Monte-Carlo mean
     int realisations_least, realisations_most;
-    sphv_faults faults;
+    sphv_fault_counts faults;
 } sphv_curve_facts;
 
 /// \param curve index
@@ -32,11 +33,17 @@ sphv_curve_facts sphv_curve_facts_collect(const sphv_scene_result *result, size_
 /// Whether the paper's form has a value at a point of the scene.
 bool sphv_scene_has_paper(const sphv_scene_result *result);
 
+/// Sum of all reasons.
+long sphv_faults_sum(const sphv_fault_counts *faults);
+
+/// What failed in a scheme of a convergence scene, over all its levels.
+sphv_fault_counts sphv_scheme_faults(const sphv_convergence_result *result, size_t scheme);
+
 /// Estimates and failures of one method over all scenes.
 typedef struct sphv_method_facts {
     const char *name;
-    size_t curves;
-    sphv_faults faults;
+    size_t curves; ///< and schemes of convergence scenes
+    sphv_fault_counts faults;
 } sphv_method_facts;
 
 /// \param count receives the number of methods
@@ -52,6 +59,6 @@ const char *sphv_realisations_text(char text[SPHV_REALISATIONS_TEXT],
                                    const sphv_curve_facts *facts);
 
 /// `singular 3, ill-conditioned 2` or `none`.
-void sphv_faults_text(char *text, size_t size, const sphv_faults *faults);
+void sphv_faults_text(char *text, size_t size, const sphv_fault_counts *faults);
 
 #endif

@@ -32,13 +32,15 @@ static json_t *count_json(bool there, long count)
     return there ? json_integer((json_int_t)count) : json_null();
 }
 
-json_t *sphv_faults_json(bool there, const sphv_faults *faults)
+json_t *sphv_faults_json(bool there, const sphv_fault_counts *faults)
 {
-    return json_pack("{s:o, s:o, s:o, s:o, s:o}", "estimates", count_json(there, faults->estimates),
-                     "singular", count_json(there, faults->singular), "ill_conditioned",
-                     count_json(there, faults->ill_conditioned), "not_finite",
-                     count_json(there, faults->not_finite), "worst_condition",
-                     sphv_json_number(there ? faults->worst_condition : NAN));
+    return json_pack(
+        "{s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "estimates", count_json(there, faults->estimates),
+        "isolated", count_json(there, faults->isolated), "too_few",
+        count_json(there, faults->too_few), "singular", count_json(there, faults->singular),
+        "ill_conditioned", count_json(there, faults->ill_conditioned), "not_finite",
+        count_json(there, faults->not_finite), "worst_condition",
+        sphv_json_number(there ? faults->worst_condition : NAN));
 }
 
 /// A curve with its experiment, and its points in short.

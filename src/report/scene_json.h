@@ -8,7 +8,7 @@
 #include "scene_facts.h"
 
 /// Estimates and failures; null in all when there are none to speak of.
-json_t *sphv_faults_json(bool there, const sphv_faults *faults);
+json_t *sphv_faults_json(bool there, const sphv_fault_counts *faults);
 
 /// The scene, its tallies, its claims, and its curves without their samples; null for numbers that
 /// do not exist. The caller owns it.

@@ -204,7 +204,7 @@ static void faults_are_counted_by_method_and_reason(void **state)
     assert_int_equal(methods[1].faults.not_finite, faults[2]);
     assert_true(faults[0] + faults[1] > 0);
     assert_true(methods[1].faults.worst_condition == worst);
-    assert_ptr_equal(methods[1].faults.worst_scene, run.scene);
+    assert_string_equal(methods[1].faults.worst_scene, run.scene->name);
     sphv_curve_facts facts = sphv_curve_facts_collect(run.result, 2);
     assert_true(facts.statistical && facts.random && isnan(facts.sigma));
     assert_int_equal(facts.realisations_most, 8);
@@ -212,9 +212,9 @@ static void faults_are_counted_by_method_and_reason(void **state)
     assert_true(!facts.statistical && !facts.random);
     char text[120];
     sphv_faults_text(text, sizeof text,
-                     &(sphv_faults){.singular = 3, .not_finite = 2, .worst_condition = NAN});
+                     &(sphv_fault_counts){.singular = 3, .not_finite = 2, .worst_condition = NAN});
     assert_string_equal(text, "singular 3, not finite 2");
-    sphv_faults_text(text, sizeof text, &(sphv_faults){.estimates = 5});
+    sphv_faults_text(text, sizeof text, &(sphv_fault_counts){.estimates = 5});
     assert_string_equal(text, "none");
     free(methods);
     run_free(&run);
