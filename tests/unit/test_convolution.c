@@ -43,7 +43,7 @@ static void test_sizes(void **state)
 /// One output of the transform, summed as it is defined, in long double.
 /// \param circle cos and sin of 2πj/size
 static void plain_transform(const sphv_transform *of, const double *data, const size_t k[3],
-                            int sign, const long double (*circle)[2], long double out[2])
+                            int sign, long double (*circle)[2], long double out[2])
 {
     out[0] = out[1] = 0;
     for (size_t n = 0; n < of->points; n++) {
