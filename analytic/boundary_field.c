@@ -62,13 +62,13 @@ sphv_status sphv_field_theory_make(const sphv_field *field, sphv_field_theory *o
 static void add_term(const sphv_field_term *term, int first, int d, const double *x, double r,
                      int last, double *out)
 {
-    double product[SPHV_TAIL] = {fabs(term->coefficient)}, next[SPHV_TAIL];
+    double product[SPHV_TAIL] = {fabs(term->coefficient)}, next[SPHV_TAIL], factor[SPHV_TAIL];
     for (int i = first; i < d; i++) {
+        for (int n = 0; n <= last; n++)
+            factor[n] = coefficient_bound(&term->factor[i], n, x[i]) * gsl_pow_int(r, n);
         for (int m = 0; m <= last; m++) {
             next[m] = 0;
-            for (int n = 0; n <= m; n++)
-                next[m] += product[m - n] * coefficient_bound(&term->factor[i], n, x[i]) *
-                           gsl_pow_int(r, n);
+            for (int n = 0; n <= m; n++) next[m] += product[m - n] * factor[n];
         }
         for (int m = 0; m <= last; m++) product[m] = next[m];
     }

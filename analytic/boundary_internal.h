@@ -27,12 +27,13 @@ typedef struct sphv_octants {
     /// moment[k][place * monomials + α] = ∫ or Δs^d Σ p_k s^α over the lines 0 … I_i of each
     /// direction; line 0 counts half. A place is (I_1, …, I_d) with I_1 running slowest.
     double *moment[SPHV_RADIALS];
-    /// row[k][(node * tails + tail) * rests + γ]: the same over all directions but the first, at
+    /// row[k][(node * rests + γ) * tails + tail]: the same over all directions but the first, at
     /// the node's s_1; a tail is (I_2, …, I_d), γ a monomial of the other coordinates.
     double *row[SPHV_RADIALS];
     int nodes_per_line;        ///< 1: the lattice; more: Gauss nodes in each of its cells
     int nodes;                 ///< nodes_per_line (R + 1)
     double *place, *share;     ///< s_1 of each node, and its weight
+    double *sign;              ///< [octant * monomials + α]: of s^α there
     double size[SPHV_RADIALS]; ///< Σ v|p_k| q^k over the whole support
     double flat;               ///< Σ v|p_1|
     double rounding;           ///< of a moment, relative to its size
@@ -46,7 +47,7 @@ sphv_status sphv_octants_make(const sphv_profile *profile, double spacing, int n
 void sphv_octants_free(sphv_octants *octants);
 
 /// Moments of p_k up to the table's degree, of a particle with that many lines within reach on
-/// either side in each direction. \param out [k] receives `monomials` numbers
+/// either side in each direction. \param out [k] receives `monomials` numbers, or is NULL
 void sphv_octants_moments(const sphv_octants *octants, const int *below, const int *above,
                           double *const out[SPHV_RADIALS]);
 
@@ -86,6 +87,8 @@ typedef struct sphv_line {
     double x, weight;
     int below, above; ///< lattice lines within reach on either side
     bool interior, singular;
+    /// factor[t * orders + n] = h^n φ_t^(n)(x), the field's t-th term in this coordinate
+    const double *factor;
 } sphv_line;
 
 typedef struct sphv_lines {

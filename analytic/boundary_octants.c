@@ -52,10 +52,10 @@ static void add_cell(const sphv_octants *octants, const sphv_profile *profile, i
         sphv_radial_functions(profile, q, p);
         p[2] = q > 0 ? p[2] / square : 0;
         for (int k = 0; k < SPHV_RADIALS; k++) {
-            double *row = octants->row[k] + (node * octants->tails + tail) * octants->rests;
+            double *row = octants->row[k] + node * octants->tails * octants->rests + tail;
             for (size_t m = 0; m < octants->rests; m++)
-                row[m] += weight * p[k] * (rest ? power[0][rest[m].power[0]] : 1) *
-                          (others > 1 ? power[1][rest[m].power[1]] : 1);
+                row[m * octants->tails] += weight * p[k] * (rest ? power[0][rest[m].power[0]] : 1) *
+                                           (others > 1 ? power[1][rest[m].power[1]] : 1);
         }
     }
 }
@@ -80,8 +80,20 @@ static void fill_rows(sphv_octants *octants, const sphv_profile *profile)
         }
     for (int k = 0; k < SPHV_RADIALS; k++)
         for (size_t stride = 1; stride < octants->tails; stride *= lines)
-            accumulate(octants->row[k], (size_t)octants->nodes * octants->tails, lines, stride,
-                       octants->rests);
+            accumulate(octants->row[k], (size_t)octants->nodes * octants->rests * octants->tails,
+                       lines, stride, 1);
+}
+
+static void fill_signs(sphv_octants *octants)
+{
+    const sphv_monomial *table = sphv_monomials(octants->dimension);
+    for (int octant = 0; octant < 1 << octants->dimension; octant++)
+        for (size_t m = 0; m < octants->monomials; m++) {
+            int odd = 0;
+            for (int i = 0; i < octants->dimension; i++)
+                odd += (octant >> i & 1) * table[m].power[i];
+            octants->sign[(size_t)octant * octants->monomials + m] = odd % 2 ? -1 : 1;
+        }
 }
 
 static void fill_places(sphv_octants *octants)
@@ -99,12 +111,11 @@ static void fill_places(sphv_octants *octants)
         for (int n = 1; n <= octants->degree; n++) power[n] = power[n - 1] * octants->place[node];
         for (int k = 0; k < SPHV_RADIALS; k++)
             for (size_t tail = 0; tail < octants->tails; tail++) {
-                const double *row =
-                    octants->row[k] + (node * octants->tails + tail) * octants->rests;
+                const double *row = octants->row[k] + node * octants->tails * octants->rests + tail;
                 double *to =
                     octants->moment[k] + (line * octants->tails + tail) * octants->monomials;
                 for (size_t m = 0; m < octants->monomials; m++)
-                    to[m] += power[table[m].power[0]] * row[rest_of[m]];
+                    to[m] += power[table[m].power[0]] * row[rest_of[m] * octants->tails];
             }
     }
     free(rest_of);
@@ -151,7 +162,7 @@ sphv_status sphv_octants_make(const sphv_profile *profile, double spacing, int n
     double tails = gsl_pow_int(lines, d - 1);
     double numbers =
         SPHV_RADIALS * tails * (lines * (double)out->monomials + nodes * (double)out->rests) +
-        2 * nodes;
+        2 * nodes + (1 << d) * (double)out->monomials;
     if (nodes_per_line < 1 || nodes_per_line > NODES_MAX || !(numbers * sizeof(double) < BYTES_MAX))
         return sphv_fail(error, SPHV_NO_CLOSED_FORM,
                          "%.4g lattice lines within the support are too many for its theory in %d "
@@ -171,12 +182,14 @@ sphv_status sphv_octants_make(const sphv_profile *profile, double spacing, int n
     }
     out->place = at;
     out->share = at + out->nodes;
+    out->sign = at + 2 * out->nodes;
     if (!make_nodes(out->reach, nodes_per_line, spacing, out->place, out->share)) {
         sphv_octants_free(out);
         return sphv_fail(error, SPHV_RESOURCE_FAILURE, "not enough memory for moments");
     }
     fill_rows(out, profile);
     fill_places(out);
+    fill_signs(out);
     find_sizes(out, profile);
     return SPHV_OK;
 }
@@ -191,20 +204,18 @@ void sphv_octants_moments(const sphv_octants *octants, const int *below, const i
                           double *const out[SPHV_RADIALS])
 {
     int d = octants->dimension;
-    const sphv_monomial *table = sphv_monomials(d);
-    for (int k = 0; k < SPHV_RADIALS; k++) memset(out[k], 0, octants->monomials * sizeof *out[k]);
-    for (int octant = 0; octant < 1 << d; octant++) {
-        size_t place = 0;
+    size_t count = octants->monomials, place[1 << SPHV_DIMENSIONS] = {0};
+    for (int octant = 0; octant < 1 << d; octant++)
         for (int i = 0; i < d; i++)
-            place = place * ((size_t)octants->reach + 1) +
-                    (size_t)(octant >> i & 1 ? below[i] : above[i]);
-        for (size_t m = 0; m < octants->monomials; m++) {
-            int odd = 0;
-            for (int i = 0; i < d; i++) odd += (octant >> i & 1) * table[m].power[i];
-            for (int k = 0; k < SPHV_RADIALS; k++) {
-                double part = octants->moment[k][place * octants->monomials + m];
-                out[k][m] += odd % 2 ? -part : part;
-            }
+            place[octant] = place[octant] * ((size_t)octants->reach + 1) +
+                            (size_t)(octant >> i & 1 ? below[i] : above[i]);
+    for (int k = 0; k < SPHV_RADIALS; k++) {
+        if (!out[k]) continue;
+        memset(out[k], 0, count * sizeof *out[k]);
+        for (int octant = 0; octant < 1 << d; octant++) {
+            const double *part = octants->moment[k] + place[octant] * count;
+            const double *sign = octants->sign + (size_t)octant * count;
+            for (size_t m = 0; m < count; m++) out[k][m] += sign[m] * part[m];
         }
     }
 }

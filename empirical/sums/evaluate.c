@@ -146,6 +146,25 @@ static double *spread_of(const sphv_request *request, size_t count)
     return spread;
 }
 
+static sphv_status take_route(const sphv_evaluation *evaluation, sphv_error *error)
+{
+    sphv_route asked = evaluation->request->route, *taken = &evaluation->out->route;
+    sphv_status status;
+    if (asked < SPHV_ROUTE_AUTOMATIC || asked > SPHV_ROUTE_BRUTE_FORCE)
+        return sphv_fail(error, SPHV_INVALID_INPUT, "route %d does not exist", (int)asked);
+    *taken = asked;
+    if (asked == SPHV_ROUTE_BRUTE_FORCE) return sphv_evaluate_brute_force(evaluation, error);
+    if (asked == SPHV_ROUTE_CONVOLUTION) return sphv_evaluate_convolution(evaluation, error);
+    if (asked == SPHV_ROUTE_AUTOMATIC && sphv_convolution_wins(evaluation)) {
+        *taken = SPHV_ROUTE_CONVOLUTION;
+        status = sphv_evaluate_convolution(evaluation, error);
+        // The particles may turn out not to be the lattice that they are said to be.
+        if (status != SPHV_INVALID_INPUT) return status;
+    }
+    *taken = SPHV_ROUTE_DIRECT;
+    return sphv_evaluate_direct(evaluation, error);
+}
+
 sphv_status sphv_estimate_particles(const sphv_particles *particles, const sphv_request *request,
                                     sphv_progress progress, void *context, sphv_estimates *out,
                                     sphv_error *error)
@@ -171,24 +190,7 @@ sphv_status sphv_estimate_particles(const sphv_particles *particles, const sphv_
         return sphv_fail(error, SPHV_RESOURCE_FAILURE,
                          "out of memory for the estimates of %zu particles", particles->count);
     }
-    switch (request->route) {
-    case SPHV_ROUTE_BRUTE_FORCE:
-        out->route = SPHV_ROUTE_BRUTE_FORCE;
-        status = sphv_evaluate_brute_force(&evaluation, error);
-        break;
-    case SPHV_ROUTE_AUTOMATIC:
-    case SPHV_ROUTE_DIRECT:
-        out->route = SPHV_ROUTE_DIRECT;
-        status = sphv_evaluate_direct(&evaluation, error);
-        break;
-    case SPHV_ROUTE_CONVOLUTION:
-        out->route = SPHV_ROUTE_CONVOLUTION;
-        status = sphv_evaluate_convolution(&evaluation, error);
-        break;
-    default:
-        status = sphv_fail(error, SPHV_INVALID_INPUT, "route %d does not exist for such particles",
-                           (int)request->route);
-    }
+    status = take_route(&evaluation, error);
     free(spread);
     if (status != SPHV_OK) sphv_estimates_free(out);
     if (status == SPHV_OK && progress) progress(context, 1);

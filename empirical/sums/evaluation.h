@@ -66,4 +66,7 @@ sphv_status sphv_evaluate_brute_force(const sphv_evaluation *evaluation, sphv_er
 sphv_status sphv_evaluate_direct(const sphv_evaluation *evaluation, sphv_error *error);
 sphv_status sphv_evaluate_convolution(const sphv_evaluation *evaluation, sphv_error *error);
 
+/// Whether sums by convolution are possible, accurate, and faster than direct ones.
+bool sphv_convolution_wins(const sphv_evaluation *evaluation);
+
 #endif

@@ -59,13 +59,13 @@ typedef struct sphv_scheme {
     size_t pass;       ///< the first scheme with the same box, kernel and h: one pass serves both
 } sphv_scheme;
 
-/// A quantity of a field, or the same with a wrong exact value (evidence of how a number came
-/// about).
+/// A quantity of a field, or the same with a wrong exact value, or with none, so that its norms are
+/// those of the estimate itself (evidence of how a number came about).
 typedef struct sphv_target {
     char *name; ///< f1, f1_x, f1_xy
     size_t field, quantity;
-    bool altered;
-    sphv_field without; ///< what the wrong exact value leaves out
+    bool altered, alone; ///< alone: altered to no exact value
+    sphv_field without;  ///< what the wrong exact value leaves out
 } sphv_target;
 
 /// A box with its name; `side` is that of each level.

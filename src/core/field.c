@@ -77,14 +77,22 @@ sphv_status sphv_field_parse(const char *text, int dimension, sphv_field *out, s
     return sphv_field_parse_polynomial(text, out, error);
 }
 
+/// x^p, within p + 1 roundings: whole and half powers by multiplication.
+static double real_power(double x, double p)
+{
+    double whole = floor(p), rest = p - whole;
+    if (!(p >= 0 && p <= 2 * SPHV_FIELD_POWER_MAX && (rest == 0 || rest == 0.5))) return pow(x, p);
+    double product = rest == 0 ? 1 : sqrt(x);
+    for (int i = 0; i < (int)whole; i++) product *= x;
+    return product;
+}
+
 /// d^k/dx^k x^p; exactly 0 when that vanishes everywhere.
 static double power_derivative(double p, int k, double x)
 {
     double falling = 1;
     for (int i = 0; i < k; i++) falling *= p - i;
-    if (falling == 0) return 0;
-    double rest = p - k;
-    return falling * (rest == 0 ? 1 : rest == 1 ? x : pow(x, rest));
+    return falling == 0 ? 0 : falling * real_power(x, p - k);
 }
 
 /// d^k/dx^k sin(px + phase) = p^k sin(px + phase + kπ/2)

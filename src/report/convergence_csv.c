@@ -82,8 +82,10 @@ void sphv_convergence_csv(FILE *stream, const sphv_convergence_result *result)
           "spacing,h,neighbours,quantity,region,rmse,rmse_bound,rmse_per_neighbour,mae,maximum,"
           "mean_square,standard_deviation,predicted_rmse,predicted_bound,rigour,verdict,counted",
           stream);
-    for (int fault = SPHV_FAULT_NONE + 1; fault < SPHV_FAULTS; fault++)
-        fprintf(stream, ",excluded_%s", sphv_faults[fault].name);
+    for (int fault = SPHV_FAULT_NONE + 1; fault < SPHV_FAULTS; fault++) {
+        fputs(",excluded_", stream);
+        for (const char *c = sphv_faults[fault].name; *c; c++) fputc(*c == '-' ? '_' : *c, stream);
+    }
     fputs(",exact_undefined\n", stream);
     for (size_t s = 0; s < scene->scheme_count; s++)
         for (size_t l = 0; l < scene->level_count; l++) {

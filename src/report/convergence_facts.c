@@ -40,7 +40,7 @@ static int write_metric(char *text, size_t size, const sphv_convergence *scene,
                         const sphv_series *series)
 {
     bool of_target = series->metric <= SPHV_METRIC_STANDARD_DEVIATION;
-    return snprintf(text, size, "%s%s%s%.60s%s", sphv_metrics[series->metric].name,
+    return snprintf(text, size, "%s%s%s%.70s%s", sphv_metrics[series->metric].name,
                     series->per_neighbour ? "/n_nb" : "", of_target ? " of " : "",
                     of_target ? scene->targets[series->target].name : "",
                     series->interior ? ", interior only" : "");
@@ -132,7 +132,10 @@ const char *sphv_plot_axis_text(char text[SPHV_SERIES_TEXT], const sphv_converge
                                         "h, smoothing length"};
     const sphv_series *series = &plot->series;
     bool of_target = series->metric <= SPHV_METRIC_STANDARD_DEVIATION;
-    snprintf(text, SPHV_SERIES_TEXT, "%s%s%s%.60s%s", names[series->metric],
+    bool alone = of_target && scene->targets[series->target].alone;
+    snprintf(text, SPHV_SERIES_TEXT, "%s%s%s%.70s%s",
+             alone && series->metric == SPHV_METRIC_STANDARD_DEVIATION ? "standard deviation"
+                                                                       : names[series->metric],
              series->per_neighbour ? "/n" : "", of_target ? " of " : "",
              of_target ? scene->targets[series->target].name : "",
              series->interior ? ", interior" : "");

@@ -258,10 +258,10 @@ static sphv_status add_targets(const struct sphv_rates_reader *of, size_t field)
     return SPHV_OK;
 }
 
-/// Most evidence with a wrong exact value that a file can hold.
+/// Most targets with a wrong exact value, or none, that a file can ask for.
 static size_t altered_count(const struct sphv_rates_file *file)
 {
-    size_t count = 0;
+    size_t count = file->claims_count + file->plots_count;
     for (unsigned i = 0; file->table && i < file->table->exceptions_count; i++)
         count += file->table->exceptions[i].evidence_count;
     return count;
@@ -283,6 +283,22 @@ sphv_status sphv_rates_read_targets(const struct sphv_rates_reader *of)
         if (status == SPHV_OK) status = add_targets(of, i);
     }
     return status;
+}
+
+sphv_status sphv_rates_add_alone(const struct sphv_rates_reader *of, size_t target, size_t *out)
+{
+    sphv_convergence *scene = of->scene;
+    const sphv_target *like = &scene->targets[target];
+    for (*out = 0; *out < scene->target_count; ++*out)
+        if (scene->targets[*out].alone && scene->targets[*out].field == like->field &&
+            scene->targets[*out].quantity == like->quantity)
+            return SPHV_OK;
+    sphv_target *alone = &scene->targets[scene->target_count++];
+    *alone = (sphv_target){
+        .field = like->field, .quantity = like->quantity, .altered = true, .alone = true};
+    char name[80];
+    snprintf(name, sizeof name, "estimated %.60s", like->name);
+    return sphv_rates_text(of, name, &alone->name);
 }
 
 sphv_status sphv_rates_add_altered(const struct sphv_rates_reader *of, const char *place,

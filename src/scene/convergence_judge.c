@@ -150,7 +150,10 @@ static void judge_cell(sphv_convergence_result *result, size_t row, size_t colum
     found->slope_h = slope_of(result, series, false);
     series.axis = SPHV_AXIS_PARTICLES;
     series.per_neighbour = true;
-    found->per_neighbour = slope_of(result, series, false);
+    // Where h follows Δx, n_nb does not grow: it wavers, and with it this slope.
+    found->per_neighbour = result->scene->schemes[series.scheme].rule == SPHV_H_OF_PARTICLES
+                               ? slope_of(result, series, false)
+                               : NAN;
     found->verdict = near(found->slope, cell->printed, tolerance) ? SPHV_CELL_REPRODUCED
                      : near(found->per_neighbour, cell->printed, tolerance)
                          ? SPHV_CELL_PER_NEIGHBOUR

@@ -149,6 +149,8 @@ sphv_status sphv_rates_series(const struct sphv_rates_reader *of, const char *pl
                                file->quantity ? "takes no" : "needs");
     if (status == SPHV_OK && file->quantity)
         status = sphv_rates_find_target(of, place, file->quantity, &series->target);
+    if (status == SPHV_OK && file->quantity && file->alone && *file->alone)
+        status = sphv_rates_add_alone(of, series->target, &series->target);
     if (status == SPHV_OK) status = sphv_rates_levels(of, place, file->first, file->last, series);
     return status;
 }

@@ -33,7 +33,7 @@ struct sphv_rates_term {
 
 struct sphv_rates_series {
     char *scheme, *quantity, *metric, *against;
-    bool *per_neighbour, *interior;
+    bool *per_neighbour, *interior, *alone;
     unsigned *first, *last;
 };
 
@@ -141,6 +141,9 @@ sphv_status sphv_rates_levels(const struct sphv_rates_reader *of, const char *pl
 sphv_status sphv_rates_series(const struct sphv_rates_reader *of, const char *place,
                               const struct sphv_rates_series *file, bool plot,
                               sphv_series *series) SPHV_MUST_CHECK;
+/// Adds a target without an exact value, or finds the one there is.
+sphv_status sphv_rates_add_alone(const struct sphv_rates_reader *of, size_t target,
+                                 size_t *out) SPHV_MUST_CHECK;
 /// Adds a target with a wrong exact value.
 sphv_status sphv_rates_add_altered(const struct sphv_rates_reader *of, const char *place,
                                    size_t target, const struct sphv_rates_evidence *file,

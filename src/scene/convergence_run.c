@@ -120,7 +120,7 @@ static sphv_status measure_target(const struct pass *pass, const sphv_estimates 
         for (size_t a = 0; a < particles->count; a++) {
             double x[SPHV_DIMENSIONS] = {0};
             for (int i = 0; i < particles->dimension; i++) x[i] = particles->x[i][a];
-            changed[a] = exact[a] - sphv_field_derivative(&of->without, value, x);
+            changed[a] = of->alone ? 0 : exact[a] - sphv_field_derivative(&of->without, value, x);
         }
         exact = changed;
     }

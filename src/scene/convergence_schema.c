@@ -111,6 +111,7 @@ static const cyaml_schema_field_t listed_fields[] = {
         TEXT("against", OPTIONAL, structure, series.against, 40),                                  \
         CYAML_FIELD_BOOL_PTR("per_neighbour", OPTIONAL, structure, series.per_neighbour),          \
         CYAML_FIELD_BOOL_PTR("interior", OPTIONAL, structure, series.interior),                    \
+        CYAML_FIELD_BOOL_PTR("alone", OPTIONAL, structure, series.alone),                          \
         CYAML_FIELD_UINT_PTR("first", OPTIONAL, structure, series.first),                          \
         CYAML_FIELD_UINT_PTR("last", OPTIONAL, structure, series.last)
 

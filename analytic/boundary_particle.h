@@ -1,0 +1,55 @@
+/// \file boundary_particle.h
+/// The errors of one particle of a box.
+#ifndef SPHVERIFY_ANALYTIC_BOUNDARY_PARTICLE_H
+#define SPHVERIFY_ANALYTIC_BOUNDARY_PARTICLE_H
+
+#include "boundary_internal.h"
+
+/// One method, one field, one box.
+typedef struct sphv_box_theory {
+    const sphv_profile *profile;
+    const sphv_octants *octants;
+    sphv_field_theory field;
+    sphv_method method;
+    int d, quantities, degree; ///< of the Taylor series
+    int rest_degree;           ///< of the series in the other coordinates alone
+    double h, volume;          ///< V/Δx^d
+    double tail, rest_tail;    ///< remainders at the current first coordinate
+    double *moment[SPHV_RADIALS];
+    double *series[SPHV_QUANTITIES_MAX]; ///< response to h^|γ| ∂^γA, without the quantity itself
+    double *line_moment[SPHV_FIELD_TERMS_MAX][SPHV_RADIALS][SPHV_SHAPE_DEGREE + 1];
+    double *memory;
+    size_t *products;
+    int below[SPHV_DIMENSIONS], above[SPHV_DIMENSIONS];
+    size_t *product[SPHV_SHAPE_TERMS]; ///< places of the products of monomials, as far as needed
+    bool known; ///< moments, shape and responses are those of `below` and `above`
+    sphv_shape shape;
+    double size[SPHV_QUANTITIES_MAX]; ///< bound of Σ v|shape function|
+} sphv_box_theory;
+
+/// The errors of one particle, and what is not known of them.
+typedef struct sphv_particle_errors {
+    double value[SPHV_QUANTITIES_MAX], bound[SPHV_QUANTITIES_MAX];
+    bool regular;
+} sphv_particle_errors;
+
+/// Allocates what the members d, degree, method, octants and field ask for, to be released with
+/// sphv_theory_end.
+sphv_status sphv_theory_start(sphv_box_theory *of, sphv_error *error) SPHV_MUST_CHECK;
+void sphv_theory_end(sphv_box_theory *of);
+
+/// Moments, shape function and responses where the support is cut so.
+void sphv_theory_cut(sphv_box_theory *of, const int *below, const int *above);
+
+/// Moments of the field's factors along a line where it is singular in its first coordinate; comes
+/// before sphv_singular_errors.
+void sphv_theory_take_line(sphv_box_theory *of, const sphv_line *line);
+
+/// Errors of a particle where the field has a Taylor series, or where it has none in the first
+/// coordinate. The support is that of the last sphv_theory_cut.
+void sphv_series_errors(sphv_box_theory *of, const sphv_line *const *line,
+                        sphv_particle_errors *out);
+void sphv_singular_errors(sphv_box_theory *of, const sphv_line *const *line, const double *x,
+                          sphv_particle_errors *out);
+
+#endif
