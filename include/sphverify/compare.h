@@ -84,7 +84,9 @@ typedef struct sphv_box_point {
     double pairs, seconds, worst_condition;
 } sphv_box_point;
 
-/// Evaluates both halves on a box and compares the root mean square errors.
+/// Evaluates both halves on a box and compares the root mean square errors. The quantity whose 1 %
+/// counts is the largest error among derivatives of the same degree or, where these are rounding,
+/// the field's derivative itself.
 sphv_status sphv_evaluate_box(const sphv_box_question *question, sphv_progress progress,
                               void *context, sphv_box_point *out,
                               sphv_error *error) SPHV_MUST_CHECK;

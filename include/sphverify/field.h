@@ -67,6 +67,9 @@ extern const sphv_field_row sphv_fields[];
 sphv_status sphv_field_parse(const char *text, int dimension, sphv_field *out,
                              sphv_error *error) SPHV_MUST_CHECK;
 
+/// Whether the field repeats with period 1 in every coordinate, as a box without boundary needs.
+bool sphv_field_is_periodic(const sphv_field *field);
+
 /// ∂^α A at x. Infinite or NaN where the derivative does not exist (f2's third in x at x = 0).
 double sphv_field_derivative(const sphv_field *field, const int order[SPHV_DIMENSIONS],
                              const double x[SPHV_DIMENSIONS]);

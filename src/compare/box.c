@@ -74,19 +74,48 @@ static sphv_status measure(const sphv_box_question *of, struct box_arrays *array
     return SPHV_OK;
 }
 
+/// Size of the quantities of each degree: the largest RMSE among them or, where errors are nothing
+/// but rounding, the largest value of the field's derivatives.
+static void find_scales(const sphv_box_question *of, const struct box_arrays *arrays,
+                        const sphv_box_point *point, double scale[3])
+{
+    const sphv_monomial *monomials = sphv_monomials(of->box.dimension);
+    double bound[3] = {0}, largest[3] = {0};
+    size_t count = arrays->particles.count;
+    for (int degree = 0; degree < 3; degree++) scale[degree] = 0;
+    for (size_t q = 0; q < point->quantities; q++) {
+        int degree = monomials[q].degree;
+        scale[degree] = fmax(scale[degree], point->norms[q].rmse);
+        bound[degree] = fmax(bound[degree], point->norms[q].bound);
+        for (size_t i = 0; i < count; i++) {
+            double exact = fabs(arrays->field[q * count + i]);
+            if (isfinite(exact)) largest[degree] = fmax(largest[degree], exact);
+        }
+    }
+    for (int degree = 0; degree < 3; degree++)
+        if (scale[degree] <= bound[degree]) scale[degree] = largest[degree];
+}
+
 sphv_status sphv_evaluate_box(const sphv_box_question *question, sphv_progress progress,
                               void *context, sphv_box_point *out, sphv_error *error)
 {
     memset(out, 0, sizeof *out);
     out->quantities = sphv_method_quantities(question->method, question->box.dimension);
     sphv_status status = sphv_box_check(&question->box, error);
+    if (status == SPHV_OK && question->box.periodic && !sphv_field_is_periodic(&question->field))
+        status = sphv_fail(error, SPHV_INVALID_INPUT,
+                           "field '%s' does not repeat over the box; allowed without a boundary: "
+                           "sine, constants",
+                           question->field.name);
     if (status != SPHV_OK) return status;
     status = sphv_predict_box(&question->box, question->profile, question->h, question->method,
                               &question->field, &out->analytic, error);
     out->predicted = status == SPHV_OK;
     if (status != SPHV_OK && status != SPHV_NO_CLOSED_FORM) return status;
     struct box_arrays arrays = {0};
+    double scale[3];
     status = measure(question, &arrays, progress, context, out, error);
+    if (status == SPHV_OK) find_scales(question, &arrays, out, scale);
     sphv_estimates_free(&arrays.estimates);
     sphv_particles_free(&arrays.particles);
     free(arrays.field);
@@ -96,8 +125,9 @@ sphv_status sphv_evaluate_box(const sphv_box_question *question, sphv_progress p
         const sphv_norms *norms = &out->norms[q];
         out->verdicts[q] = SPHV_INCONCLUSIVE;
         if (!out->predicted || !out->analytic.exists[q] || norms->counted == 0) continue;
-        out->verdicts[q] = sphv_compare(out->analytic.rmse[q],
-                                        (sphv_result){norms->rmse, norms->bound}, norms->rmse);
+        out->verdicts[q] =
+            sphv_compare(out->analytic.rmse[q], (sphv_result){norms->rmse, norms->bound},
+                         scale[sphv_monomials(question->box.dimension)[q].degree]);
         out->verdict = sphv_verdict_worse(out->verdict, out->verdicts[q]);
     }
     return SPHV_OK;

@@ -165,3 +165,18 @@ void sphv_field_derivatives(const sphv_field *field, int degree, const double x[
     size_t count = sphv_monomial_count(field->dimension, degree);
     for (size_t m = 0; m < count; m++) out[m] = sphv_field_derivative(field, monomials[m].power, x);
 }
+
+static bool repeats(const sphv_factor *factor)
+{
+    double periods = factor->parameter / (2 * M_PI);
+    if (factor->kind == SPHV_FACTOR_SINE) return periods == floor(periods);
+    return factor->kind == SPHV_FACTOR_POWER && factor->parameter == 0;
+}
+
+bool sphv_field_is_periodic(const sphv_field *field)
+{
+    for (int t = 0; t < field->terms; t++)
+        for (int i = 0; i < field->dimension; i++)
+            if (!repeats(&field->term[t].factor[i])) return false;
+    return true;
+}
