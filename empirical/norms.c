@@ -87,7 +87,7 @@ static void run_pass(const comparison *of,
 {
     size_t count = of->particles->count, block = (count + BLOCKS - 1) / BLOCKS;
     if (block < BLOCK_MIN) block = BLOCK_MIN;
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (count > 16 * BLOCK_MIN)
     for (size_t b = 0; b < BLOCKS; b++) {
         size_t first = b * block < count ? b * block : count;
         pass(of, first, first + block < count ? first + block : count, &parts[b]);
