@@ -81,7 +81,7 @@ sphv_mean_square sphv_sums_mean_square(sphv_method method, double K, sphv_phase 
     }
     sphv_mean_square result = {sum, middle * middle + variance, fluctuation(method, sums, l)};
     // A linear error needs no rule, and the rule's negative weights are best avoided then.
-    if (method == SPHV_SPH || !(sum > 0)) result.value = result.linear;
+    if (sphv_methods[method].unknowns[0] == 0 || !(sum > 0)) result.value = result.linear;
     return result;
 }
 
@@ -219,14 +219,15 @@ static sphv_mean_square density_mean_square(const sphv_experiment *of, double K)
     return sum;
 }
 
-/// On the lattice: E for standard SPH, and (1 + E(K))/(1 + E(0)) − 1 for Bonet and Lok's
-/// correction, whose matrix L is the inverse of the estimate of a linear field.
+/// On the lattice: E for standard SPH, whose difference form is the same by symmetry, and
+/// (1 + E(K))/(1 + E(0)) − 1 for Bonet and Lok's correction, whose matrix L is the inverse of the
+/// estimate of a linear field, as CSPM's and FPM's are by the same symmetry.
 static sphv_status predict_lattice(const sphv_experiment *of, sphv_prediction *out,
                                    sphv_error *error)
 {
     sphv_status status =
         sphv_predict_lattice(of->profile, of->h, of->spacing, SPHV_FORM_EXACT, out, error);
-    if (status != SPHV_OK || of->method == SPHV_SPH) return status;
+    if (status != SPHV_OK || sphv_methods[of->method].unknowns[0] == 0) return status;
     sphv_prediction linear;
     status = sphv_predict_lattice(of->profile, 1e-9, of->spacing, SPHV_FORM_EXACT, &linear, error);
     if (status != SPHV_OK) return status;
@@ -251,7 +252,8 @@ sphv_status sphv_predict_disorder(const sphv_experiment *experiment, sphv_predic
                          sphv_layouts[of->layout].name);
     memset(out, 0, sizeof *out);
     if (of->sigma == 0 && of->volume != SPHV_VOLUME_DENSITY &&
-        (of->method == SPHV_SPH || of->method == SPHV_BONET_LOK))
+        (sphv_methods[of->method].unknowns[0] == 0 || of->method == SPHV_BONET_LOK ||
+         of->method == SPHV_CSPM || of->method == SPHV_FPM))
         return predict_lattice(of, out, error);
     double K = 2 * M_PI * of->h;
     sphv_mean_square found;

@@ -18,9 +18,15 @@ int sphv_sums_count(sphv_method method)
     int order = order_of(method);
     switch (method) {
     case SPHV_SPH:
+    case SPHV_SPH_DIFFERENCE:
         return 1;
+    case SPHV_CSPM:
+        return 2;
     case SPHV_BONET_LOK:
+    case SPHV_FPM:
         return 6;
+    case SPHV_MSPH:
+        return 12;
     default:
         return 2 * (2 * order + 1) + 2 * (order + 1);
     }
@@ -51,20 +57,43 @@ static double rest_of_field(sphv_method method, sphv_phase phase, double x)
     return consistency >= 0 ? -2 * sin(x / 2) * sin(x / 2) : cos(x);
 }
 
+/// The tests W, W′ and W″ times s^j, then times the field. A kernel with a kink at 0 has no W″
+/// there, and the particle's own share counts as 0.
+static void taylor_summand(const sphv_profile *profile, double w, double g, double s, double t,
+                           double *z)
+{
+    bool kink = s == 0 && sphv_profile_derivative(profile, 1, 0).value != 0;
+    double test[3] = {w, g, kink ? 0 : sphv_profile_derivative(profile, 2, fabs(s)).value};
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 3; j++) z[3 * i + j] = test[i] * gsl_pow_int(s, j);
+        z[9 + i] = test[i] * t;
+    }
+}
+
 void sphv_sums_summand(sphv_method method, const sphv_profile *profile, double K, sphv_phase phase,
                        double s, double *z)
 {
     double distance = fabs(s), t = rest_of_field(method, phase, K * s);
     double w = sphv_profile_derivative(profile, 0, distance).value;
     double g = s == 0 ? 0 : (s < 0 ? -1 : 1) * sphv_profile_derivative(profile, 1, distance).value;
-    if (method == SPHV_SPH) {
+    switch (method) {
+    case SPHV_SPH:
+    case SPHV_SPH_DIFFERENCE:
         z[0] = t * g;
         return;
-    }
-    if (method == SPHV_BONET_LOK) {
-        double of[6] = {w, g, t * g, t * w, s * g, s * w};
-        memcpy(z, of, sizeof of);
+    case SPHV_CSPM:
+        z[0] = s * g;
+        z[1] = t * g;
         return;
+    case SPHV_BONET_LOK:
+    case SPHV_FPM:
+        memcpy(z, (double[6]){w, g, t * g, t * w, s * g, s * w}, 6 * sizeof *z);
+        return;
+    case SPHV_MSPH:
+        taylor_summand(profile, w, g, s, t, z);
+        return;
+    default:
+        break;
     }
     int order = order_of(method), n = 0;
     for (int k = 0; k <= 2 * order; k++) z[n++] = w * gsl_pow_int(s, k);
@@ -124,22 +153,42 @@ static double moving_least_squares(int order, const double *sums)
     return gradient;
 }
 
+/// Determinant of three rows of three.
+static double determinant(const double *row)
+{
+    const double *a = row, *b = row + 3, *c = row + 6;
+    return a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) +
+           a[2] * (b[0] * c[1] - b[1] * c[0]);
+}
+
+/// h·A′ of Σ_j c_j Σ (test) s^j/j! V = Σ (test) T V for the tests W, W′ and W″.
+static double taylor(const double *sums)
+{
+    double m[3][3], x[3] = {sums[9], sums[10], sums[11]};
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) m[i][j] = sums[3 * i + j] * (j == 2 ? 0.5 : 1);
+    solve(3, m, x);
+    return x[1];
+}
+
 double sphv_sums_denominator(sphv_method method, const double *sums)
 {
     const double *w = sums;
     switch (method) {
-    case SPHV_SPH:
-        return 1;
+    case SPHV_CSPM:
+        return w[0];
     case SPHV_BONET_LOK:
+    case SPHV_FPM:
         return w[5] * w[1] - w[4] * w[0];
+    case SPHV_MSPH:
+        return determinant(w);
     case SPHV_SHEPARD:
     case SPHV_RKPM_0:
         return w[0];
     case SPHV_RKPM:
         return w[0] * w[2] - w[1] * w[1];
     case SPHV_RKPM_2:
-        return w[0] * (w[2] * w[4] - w[3] * w[3]) - w[1] * (w[1] * w[4] - w[3] * w[2]) +
-               w[2] * (w[1] * w[3] - w[2] * w[2]);
+        return determinant((double[9]){w[0], w[1], w[2], w[1], w[2], w[3], w[2], w[3], w[4]});
     default:
         return 1;
     }
@@ -149,13 +198,25 @@ double sphv_sums_error(sphv_method method, double K, sphv_phase phase, const dou
 {
     double exact = phase == SPHV_PHASE_SINE && sphv_methods[method].consistency < 1 ? K : 0;
     double estimate;
-    if (method == SPHV_SPH)
+    switch (method) {
+    case SPHV_SPH:
+    case SPHV_SPH_DIFFERENCE:
         estimate = -sums[0];
-    else if (method == SPHV_BONET_LOK)
+        break;
+    case SPHV_CSPM:
+        estimate = sums[1] / sums[0];
+        break;
+    case SPHV_BONET_LOK:
+    case SPHV_FPM: // in one dimension or more their gradients are the same
         estimate =
             (sums[3] * sums[1] - sums[2] * sums[0]) / (sums[5] * sums[1] - sums[4] * sums[0]);
-    else
+        break;
+    case SPHV_MSPH:
+        estimate = taylor(sums);
+        break;
+    default:
         estimate = moving_least_squares(order_of(method), sums);
+    }
     return (estimate - exact) / K;
 }
 

@@ -11,6 +11,7 @@ double sphv_sine_over(double K, double s)
 struct oscillation {
     const sphv_profile *profile;
     double K, wavenumber;
+    sphv_radial_function radial;
 };
 
 static double gradient_integrand(double s, void *context)
@@ -43,7 +44,7 @@ static sphv_result over_pieces(double (*f)(double, void *), struct oscillation *
 
 sphv_result sphv_gradient_mode(const sphv_profile *profile, double K, double wavenumber)
 {
-    struct oscillation of = {profile, K, wavenumber};
+    struct oscillation of = {profile, K, wavenumber, NULL};
     sphv_result mode = over_pieces(gradient_integrand, &of, K + wavenumber);
     // The phase is known to (Ω + K)κ u, the kernel's slope to a few u: errors of f's size each. The
     // modulus has kinks, so its quadrature is good to some 1e-3 only; a quarter is added.
@@ -56,7 +57,7 @@ sphv_result sphv_gradient_mode(const sphv_profile *profile, double K, double wav
 static double transform_integrand(double q, void *context)
 {
     const struct oscillation *of = context;
-    double w = sphv_profile_derivative(of->profile, 0, q).value, x = of->wavenumber * q;
+    double w = of->radial(of->profile, q), x = of->wavenumber * q;
     switch (of->profile->dimension) {
     case 1:
         return 2 * w * cos(x);
@@ -67,12 +68,23 @@ static double transform_integrand(double q, void *context)
     }
 }
 
-sphv_result sphv_fourier_transform(const sphv_profile *profile, double wavenumber)
+sphv_result sphv_radial_transform(const sphv_profile *profile, sphv_radial_function radial,
+                                  double wavenumber)
 {
-    struct oscillation of = {profile, 0, wavenumber};
+    struct oscillation of = {profile, 0, wavenumber, radial};
     sphv_result transform = over_pieces(transform_integrand, &of, wavenumber);
     transform.bound += (8 + wavenumber * profile->support) * 4 * SPHV_U;
     return transform;
+}
+
+static double kernel_value(const sphv_profile *profile, double q)
+{
+    return sphv_profile_derivative(profile, 0, q).value;
+}
+
+sphv_result sphv_fourier_transform(const sphv_profile *profile, double wavenumber)
+{
+    return sphv_radial_transform(profile, kernel_value, wavenumber);
 }
 
 sphv_fourier_sign sphv_fourier_find_sign(const sphv_profile *profile)

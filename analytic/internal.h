@@ -22,6 +22,13 @@ double sphv_gradient_variation(const sphv_profile *profile, double K, int order)
 /// sin(Ks)/K, also for tiny K.
 double sphv_sine_over(double K, double s);
 
+/// A function of q = |s|, smooth between the kernel's knots and of the kernel's size.
+typedef double (*sphv_radial_function)(const sphv_profile *profile, double q);
+
+/// ∫ g(|s|) e^{−iΩ·s} dV over the support, by quadrature. \param wavenumber Ω ≥ 0
+sphv_result sphv_radial_transform(const sphv_profile *profile, sphv_radial_function radial,
+                                  double wavenumber);
+
 /// Eq. 16; see sphv_predict_lattice.
 sphv_status sphv_predict_paper(const sphv_profile *profile, double h, sphv_number spacing,
                                sphv_prediction *out, sphv_error *error) SPHV_MUST_CHECK;

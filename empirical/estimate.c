@@ -1,179 +1,135 @@
 #include "estimate.h"
 
 #include <gsl/gsl_math.h>
-#include <string.h>
 
 #include "internal.h"
+#include "sums/sums.h"
 
-enum { ORDER_MAX = 2, MATRIX = ORDER_MAX + 1 };
+enum { LANES = 8, SUMS_MAX = 64 };
 
-/// Kernel value and slope at particle b, evaluated here unless the neighbourhood has them.
+/// Ŵ, dŴ/ds and d²Ŵ/ds² at a neighbour.
 static void kernel_at(const sphv_profile *profile, const sphv_neighbourhood *around, int b,
-                      double *value, double *slope)
+                      double p[3])
 {
-    if (around->value) {
-        *value = around->value[b];
-        *slope = around->slope[b];
-        return;
-    }
     double s = around->s[b];
-    sphv_result all[3];
-    sphv_profile_values(profile, fabs(s), all);
-    *value = all[0].value;
-    *slope = s < 0 ? -all[1].value : s > 0 ? all[1].value : 0;
+    if (around->value) {
+        p[0] = around->value[b];
+        p[1] = around->slope[b];
+        p[2] = around->bend[b];
+    } else {
+        sphv_result all[3];
+        sphv_profile_values(profile, fabs(s), all);
+        p[0] = all[0].value;
+        p[1] = s < 0 ? -all[1].value : s > 0 ? all[1].value : 0;
+        p[2] = all[2].value;
+    }
 }
 
-static sphv_estimate judge(double gradient, double condition)
+/// One neighbour's share of all sums of one radial function, v p_k s^from … s^to; the field's share
+/// is that of the moments of the same degree, all of which are there.
+static void add(const sphv_sum_layout *layout, int k, double first, double s, int fields,
+                const double *difference, double *sums)
 {
-    sphv_estimate estimate = {gradient, condition, SPHV_ESTIMATE_SOUND};
-    if (!isfinite(condition))
-        estimate.fault = SPHV_ESTIMATE_SINGULAR;
-    else if (condition > 1 / sqrt(DBL_EPSILON))
-        estimate.fault = SPHV_ESTIMATE_ILL_CONDITIONED;
-    else if (!isfinite(gradient))
-        estimate.fault = SPHV_ESTIMATE_NOT_FINITE;
-    return estimate;
+    const sphv_degrees *moment = &sphv_sum_sets[layout->level].moment[k];
+    const sphv_degrees *of_field = &sphv_sum_sets[layout->level].field[k];
+    double *moments = sums + layout->moment_at[k] * LANES, term = first;
+    double *rows = sums + (layout->moments + 3 + layout->field_at[k]) * LANES;
+    for (int n = moment->from; n <= moment->to; n++, term *= s) {
+        moments[(n - moment->from) * LANES] += term;
+        if (n < of_field->from || n > of_field->to) continue;
+        for (int f = 0; f < fields; f++)
+            rows[(f * layout->per_field + n - of_field->from) * LANES] += term * difference[f];
+    }
+    sums[(layout->size_at + k) * LANES] += fabs(first);
 }
 
-/// Eq. 1.
-static sphv_estimate standard(const sphv_profile *profile, const sphv_neighbourhood *around,
-                              const double *field)
+/// W′/s, and its limit for kernels that have one.
+static double slope_over_offset(const sphv_profile *profile, const double p[3], double s)
 {
-    double sum = 0, value, slope;
+    if (s != 0) return p[1] / s;
+    return sphv_profile_derivative(profile, 1, 0).value == 0 ? p[2] : 0;
+}
+
+static void sum_up(const sphv_sum_layout *layout, const sphv_profile *profile,
+                   const sphv_neighbourhood *around, int fields, const double *const *field,
+                   double *sums, double *spread)
+{
+    // the levels with second derivatives begin the sums of p_1 at degree 0
+    bool second = layout->moment_at[2] >= 0;
     for (int b = 0; b < around->count; b++) {
-        kernel_at(profile, around, b, &value, &slope);
-        sum -= field[b] * slope * around->volume[b];
-    }
-    return judge(sum, 1);
-}
-
-/// Eqs. 27–28: W̃ = W/Σ W V, its gradient with the denominator differentiated, then L∇W̃. The field
-/// is taken relative to the particle's own value: Σ∇W̃ V = 0 exactly.
-static sphv_estimate bonet_lok(const sphv_profile *profile, const sphv_neighbourhood *around,
-                               const double *field)
-{
-    double d = 0, d_slope = 0, value, slope, numerator = 0, moment = 0, size = 0;
-    for (int b = 0; b < around->count; b++) {
-        kernel_at(profile, around, b, &value, &slope);
-        d += value * around->volume[b];
-        d_slope += slope * around->volume[b];
-    }
-    for (int b = 0; b < around->count; b++) {
-        kernel_at(profile, around, b, &value, &slope);
-        double gradient = (value * d_slope - slope * d) / (d * d) * around->volume[b];
-        numerator += (field[b] - field[around->self]) * gradient;
-        moment += around->s[b] * gradient;
-        size += fabs(around->s[b] * gradient);
-    }
-    // The condition of a 1 × 1 moment that is a sum: how much of it cancels.
-    return judge(numerator / moment, moment == 0 ? INFINITY : size / fabs(moment));
-}
-
-/// Inverts a symmetric matrix by elimination with pivoting; false when it is singular.
-static bool invert(int n, double m[MATRIX][MATRIX], double inverse[MATRIX][MATRIX])
-{
-    double a[MATRIX][2 * MATRIX] = {{0}};
-    for (int i = 0; i < n; i++) {
-        for (int j = 0; j < n; j++) a[i][j] = m[i][j];
-        a[i][n + i] = 1;
-    }
-    for (int k = 0; k < n; k++) {
-        int pivot = k;
-        for (int i = k + 1; i < n; i++)
-            if (fabs(a[i][k]) > fabs(a[pivot][k])) pivot = i;
-        if (a[pivot][k] == 0 || !isfinite(a[pivot][k])) return false;
-        for (int j = 0; j < 2 * n; j++) {
-            double swap = a[k][j];
-            a[k][j] = a[pivot][j];
-            a[pivot][j] = swap;
+        double p[3], difference[SPHV_FIELDS_TOGETHER] = {0}, s = around->s[b];
+        double v = around->volume[b];
+        kernel_at(profile, around, b, p);
+        for (int f = 0; f < fields; f++) {
+            difference[f] = field[f][b] - field[f][around->self];
+            spread[f] = fmax(spread[f], fabs(difference[f]));
         }
-        for (int i = 0; i < n; i++) {
-            double factor = i == k ? 0 : a[i][k] / a[k][k];
-            for (int j = 0; j < 2 * n; j++) a[i][j] -= factor * a[k][j];
-        }
+        add(layout, 0, v * p[0], s, fields, difference, sums);
+        add(layout, 1, v * (second ? slope_over_offset(profile, p, s) : p[1]), s, fields,
+            difference, sums);
+        if (second && s != 0) add(layout, 2, v * (p[2] - p[1] / s), s, fields, difference, sums);
     }
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++) inverse[i][j] = a[i][n + j] / a[i][i];
-    return true;
-}
-
-static double norm(int n, double m[MATRIX][MATRIX])
-{
-    double largest = 0;
-    for (int j = 0; j < n; j++) {
-        double column = 0;
-        for (int i = 0; i < n; i++) column += fabs(m[i][j]);
-        largest = fmax(largest, column);
-    }
-    return largest;
-}
-
-/// Eq. 26 of any order: f(x) = P(0)ᵀ M(x)⁻¹ b(x) and its derivative, M and b differentiated.
-static sphv_estimate moving_least_squares(int order, const sphv_profile *profile,
-                                          const sphv_neighbourhood *around, const double *field)
-{
-    int n = order + 1;
-    double m[MATRIX][MATRIX] = {{0}}, dm[MATRIX][MATRIX] = {{0}};
-    double b[MATRIX] = {0}, db[MATRIX] = {0}, inverse[MATRIX][MATRIX];
-    for (int p = 0; p < around->count; p++) {
-        double s = around->s[p], value, slope, power[2 * ORDER_MAX + 1] = {1};
-        double difference = field[p] - field[around->self];
-        kernel_at(profile, around, p, &value, &slope);
-        value *= around->volume[p];
-        slope *= around->volume[p];
-        for (int k = 1; k <= 2 * order; k++) power[k] = power[k - 1] * s;
-        for (int i = 0; i < n; i++) {
-            double d_i = -(slope * power[i] + (i ? i * value * power[i - 1] : 0));
-            b[i] += difference * value * power[i];
-            db[i] += difference * d_i;
-            for (int j = 0; j < n; j++) {
-                int k = i + j;
-                m[i][j] += value * power[k];
-                dm[i][j] -= slope * power[k] + (k ? k * value * power[k - 1] : 0);
-            }
-        }
-    }
-    if (!invert(n, m, inverse)) return judge(NAN, INFINITY);
-    double gradient = 0;
-    for (int i = 0; i < n; i++) {
-        double a = 0;
-        for (int j = 0; j < n; j++) a += inverse[i][j] * b[j];
-        gradient += inverse[0][i] * db[i];
-        for (int j = 0; j < n; j++) gradient -= inverse[0][j] * dm[j][i] * a;
-    }
-    return judge(gradient, norm(n, m) * norm(n, inverse));
 }
 
 sphv_estimate sphv_estimate_gradient(sphv_method method, const sphv_profile *profile,
-                                     const sphv_neighbourhood *around, const double *field)
+                                     const sphv_neighbourhood *around, int fields,
+                                     const double *const *field)
 {
-    switch (method) {
-    case SPHV_SPH:
-        return standard(profile, around, field);
-    case SPHV_BONET_LOK:
-        return bonet_lok(profile, around, field);
-    case SPHV_SHEPARD:
-    case SPHV_RKPM_0:
-        return moving_least_squares(0, profile, around, field);
-    case SPHV_RKPM:
-        return moving_least_squares(1, profile, around, field);
-    case SPHV_RKPM_2:
-        return moving_least_squares(2, profile, around, field);
-    case SPHV_SPH_DIFFERENCE:
-    case SPHV_CSPM:
-    case SPHV_FPM:
-    case SPHV_MSPH:
-        break;
+    double sums[SUMS_MAX * LANES] = {0}, spread[SPHV_FIELDS_TOGETHER] = {0}, rounding[LANES];
+    double values[SPHV_FIELDS_TOGETHER * LANES] = {0}, found[SPHV_FIELDS_TOGETHER * 3];
+    double *arrays[SPHV_FIELDS_TOGETHER * 3], bounds[SPHV_FIELDS_TOGETHER * 3] = {0};
+    unsigned neighbours = (unsigned)around->count;
+    unsigned char fault = SPHV_FAULT_NONE;
+    size_t particle = 0, quantities = sphv_method_quantities(method, 1);
+    sphv_sum_layout layout = sphv_sum_layout_make(1, sphv_method_level(method), fields);
+    sphv_estimate out = {.condition = 1};
+    sum_up(&layout, profile, around, fields, field, sums, spread);
+    // a summand has eight roundings at most, its kernel's among them; then one each addition
+    for (int l = 0; l < LANES; l++) rounding[l] = (around->count + 8) * SPHV_U;
+    for (int f = 0; f < fields; f++) {
+        values[f * LANES] = field[f][around->self];
+        for (size_t q = 0; q < quantities; q++)
+            arrays[(size_t)f * quantities + q] = &found[(size_t)f * quantities + q];
     }
-    return judge(NAN, INFINITY);
+    sphv_sum_block block = {.layout = &layout,
+                            .count = 1,
+                            .stride = LANES,
+                            .sums = sums,
+                            .particle = &particle,
+                            .neighbours = &neighbours,
+                            .rounding = rounding,
+                            .spread = spread};
+    sphv_request request = {.profile = profile,
+                            .h = 1,
+                            .method_count = 1,
+                            .methods = &method,
+                            .field_count = (size_t)fields};
+    sphv_method_estimates estimates = {.method = method,
+                                       .quantities = quantities,
+                                       .estimate = arrays,
+                                       .condition = &out.condition,
+                                       .fault = &fault,
+                                       .rounding = bounds};
+    sphv_solve_block(&block, &request, values, &estimates);
+    out.fault = (sphv_fault)fault;
+    out.usable = fault == SPHV_FAULT_NONE ||
+                 (fault == SPHV_FAULT_ISOLATED && sphv_method_least(method, 1) == 1);
+    for (int f = 0; f < fields; f++) out.gradient[f] = found[(size_t)f * quantities + 1];
+    return out;
 }
 
-double sphv_phase_error(const sphv_experiment *experiment, const sphv_neighbourhood *around,
-                        sphv_phase phase, double *field, sphv_estimate *estimate)
+sphv_estimate sphv_phase_errors(const sphv_experiment *experiment, const sphv_neighbourhood *around,
+                                double *field, double error[2])
 {
-    double K = 2 * M_PI * experiment->h;
-    for (int b = 0; b < around->count; b++)
-        field[b] = phase == SPHV_PHASE_SINE ? sin(K * around->s[b]) : cos(K * around->s[b]);
-    *estimate = sphv_estimate_gradient(experiment->method, experiment->profile, around, field);
-    return estimate->gradient / K - (phase == SPHV_PHASE_SINE ? 1 : 0);
+    double K = 2 * M_PI * experiment->h, *cosine = field + around->count;
+    const double *const fields[2] = {field, cosine};
+    for (int b = 0; b < around->count; b++) {
+        field[b] = sin(K * around->s[b]);
+        cosine[b] = cos(K * around->s[b]);
+    }
+    sphv_estimate estimate =
+        sphv_estimate_gradient(experiment->method, experiment->profile, around, 2, fields);
+    error[SPHV_PHASE_SINE] = estimate.gradient[SPHV_PHASE_SINE] / K - 1;
+    error[SPHV_PHASE_COSINE] = estimate.gradient[SPHV_PHASE_COSINE] / K;
+    return estimate;
 }

@@ -66,12 +66,14 @@ void sphv_neighbourhood_free(sphv_neighbourhood *neighbourhood)
     free(neighbourhood->centroid);
     free(neighbourhood->value);
     free(neighbourhood->slope);
+    free(neighbourhood->bend);
     *neighbourhood = (sphv_neighbourhood){0};
 }
 
 static sphv_status reserve(sphv_neighbourhood *out, long count)
 {
-    double **const arrays[] = {&out->s, &out->volume, &out->centroid, &out->value, &out->slope};
+    double **const arrays[] = {&out->s,     &out->volume, &out->centroid,
+                               &out->value, &out->slope,  &out->bend};
     if (count <= out->capacity) return SPHV_OK;
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++) {
         double *larger = realloc(*arrays[i], (size_t)count * sizeof *larger);
@@ -199,6 +201,7 @@ static void evaluate_kernel(const sphv_experiment *of, sphv_neighbourhood *out)
         sphv_profile_values(of->profile, fabs(out->s[b]), all);
         out->value[b] = all[0].value;
         out->slope[b] = out->s[b] < 0 ? -all[1].value : out->s[b] > 0 ? all[1].value : 0;
+        out->bend[b] = all[2].value;
     }
 }
 

@@ -9,12 +9,12 @@
 /// between calls.
 typedef struct sphv_neighbourhood {
     int count, capacity;
-    int self;              ///< index of the particle itself
-    double origin;         ///< its position in wavelengths
-    double *s;             ///< (x_b − x_a)/h, ascending, within the support
-    double *volume;        ///< V_b/h
-    double *centroid;      ///< middle of the cell between both neighbours
-    double *value, *slope; ///< Ŵ and dŴ/ds at s, shared by all estimates; NULL: not evaluated
+    int self;                     ///< index of the particle itself
+    double origin;                ///< its position in wavelengths
+    double *s;                    ///< (x_b − x_a)/h, ascending, within the support
+    double *volume;               ///< V_b/h
+    double *centroid;             ///< middle of the cell between both neighbours
+    double *value, *slope, *bend; ///< Ŵ, dŴ/ds and d²Ŵ/ds² at s; NULL: not evaluated
 } sphv_neighbourhood;
 
 /// A layout made ready: for lattice-based layouts nothing is stored, each position is a function of

@@ -35,7 +35,7 @@ struct realisation {
     double mean_square; ///< of the error at sound particles, divided by max|A′|²
     double mean;        ///< of the relative error of the slope, E
     long sound, particles, pairs;
-    long faults[SPHV_ESTIMATE_NOT_FINITE + 1];
+    long faults[SPHV_FAULTS];
     double worst_condition;
     sphv_status status;
 };
@@ -50,7 +50,7 @@ static void evaluate(const sphv_cloud *cloud, long index, sphv_neighbourhood *ar
         return;
     }
     if (around->count > *field_size) {
-        double *larger = realloc(*field, (size_t)around->count * sizeof **field);
+        double *larger = realloc(*field, (size_t)around->count * 2 * sizeof **field);
         if (!larger) {
             into->status = SPHV_RESOURCE_FAILURE;
             return;
@@ -62,17 +62,12 @@ static void evaluate(const sphv_cloud *cloud, long index, sphv_neighbourhood *ar
     // of those on a zero and on a crest: no bias from where the particles happen to stand on the
     // wave.
     double error[2];
-    sphv_estimate_fault fault = SPHV_ESTIMATE_SOUND;
-    for (int phase = SPHV_PHASE_SINE; phase <= SPHV_PHASE_COSINE; phase++) {
-        sphv_estimate estimate;
-        error[phase] = sphv_phase_error(of, around, (sphv_phase)phase, *field, &estimate);
-        into->worst_condition = fmax(into->worst_condition, estimate.condition);
-        if (estimate.fault != SPHV_ESTIMATE_SOUND) fault = estimate.fault;
-    }
+    sphv_estimate estimate = sphv_phase_errors(of, around, *field, error);
+    into->worst_condition = fmax(into->worst_condition, estimate.condition);
     into->particles++;
     into->pairs += around->count;
-    into->faults[fault]++;
-    if (fault != SPHV_ESTIMATE_SOUND) return;
+    into->faults[estimate.usable ? SPHV_FAULT_NONE : estimate.fault]++;
+    if (!estimate.usable) return;
     sphv_sum_add(squares, 0.5 * (error[0] * error[0] + error[1] * error[1]), 0);
     sphv_sum_add(errors, error[SPHV_PHASE_SINE], 0);
     into->sound++;
@@ -139,9 +134,11 @@ static void collect(const struct realisation *found, int count, double h,
     for (int i = 0; i < count; i++) {
         out->particles += found[i].particles;
         out->pairs += found[i].pairs;
-        out->singular += found[i].faults[SPHV_ESTIMATE_SINGULAR];
-        out->ill_conditioned += found[i].faults[SPHV_ESTIMATE_ILL_CONDITIONED];
-        out->not_finite += found[i].faults[SPHV_ESTIMATE_NOT_FINITE];
+        const long *faults = found[i].faults;
+        out->singular +=
+            faults[SPHV_FAULT_ISOLATED] + faults[SPHV_FAULT_TOO_FEW] + faults[SPHV_FAULT_SINGULAR];
+        out->ill_conditioned += faults[SPHV_FAULT_ILL_CONDITIONED];
+        out->not_finite += faults[SPHV_FAULT_NOT_FINITE];
         out->worst_condition = fmax(out->worst_condition, found[i].worst_condition);
     }
     out->mean_square = interval(found, count, mean_square_of);

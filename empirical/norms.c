@@ -53,23 +53,14 @@ static bool error_at(const comparison *of, size_t n, sphv_norms *counts, double 
     return true;
 }
 
-/// First pass: who counts, and the largest error.
-static void survey(const comparison *of, size_t first, size_t end, partial *out)
+/// First pass: who counts, the largest error, and the sums of the scaled errors.
+static void add_errors(const comparison *of, size_t first, size_t end, partial *out)
 {
     *out = (partial){0};
     for (size_t n = first; n < end; n++) {
         double error;
-        if (error_at(of, n, &out->counts, &error)) out->maximum = fmax(out->maximum, fabs(error));
-    }
-}
-
-/// Second pass: the sums of the scaled errors.
-static void add_errors(const comparison *of, size_t first, size_t end, partial *out)
-{
-    sphv_norms ignored = {0};
-    for (size_t n = first; n < end; n++) {
-        double error;
-        if (!error_at(of, n, &ignored, &error)) continue;
+        if (!error_at(of, n, &out->counts, &error)) continue;
+        out->maximum = fmax(out->maximum, fabs(error));
         error *= of->scale;
         sphv_sum_add(&out->square, error * error, 0);
         sphv_sum_add(&out->absolute, fabs(error), 0);
@@ -77,7 +68,7 @@ static void add_errors(const comparison *of, size_t first, size_t end, partial *
     }
 }
 
-/// Third pass: the scatter about the mean.
+/// Second pass: the scatter about the mean.
 static void add_deviations(const comparison *of, size_t first, size_t end, partial *out)
 {
     sphv_norms ignored = {0};
@@ -96,7 +87,7 @@ static void run_pass(const comparison *of,
 {
     size_t count = of->particles->count, block = (count + BLOCKS - 1) / BLOCKS;
     if (block < BLOCK_MIN) block = BLOCK_MIN;
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (count > 16 * BLOCK_MIN)
     for (size_t b = 0; b < BLOCKS; b++) {
         size_t first = b * block < count ? b * block : count;
         pass(of, first, first + block < count ? first + block : count, &parts[b]);
@@ -135,17 +126,20 @@ sphv_norms sphv_error_norms(const sphv_particles *particles, const sphv_estimate
     comparison of = {particles, from->estimate[array], exact, from->fault, margin, 1, 0};
     partial parts[BLOCKS];
     sphv_norms out = {0};
-    run_pass(&of, survey, parts);
+    run_pass(&of, add_errors, parts);
     collect(parts, &out);
     if (out.counted == 0 || out.maximum == 0) {
         out.bound = out.counted ? from->rounding[array] : 0;
         return out;
     }
-    int exponent;
-    frexp(out.maximum, &exponent);
-    if (exponent < -1000) exponent = -1000;
-    of.scale = ldexp(1, -exponent);
-    run_pass(&of, add_errors, parts);
+    // Squares far out of range are summed once more, scaled.
+    int exponent = 0;
+    if (out.maximum > 1e150 || out.maximum < 1e-120) {
+        frexp(out.maximum, &exponent);
+        if (exponent < -1000) exponent = -1000;
+        of.scale = ldexp(1, -exponent);
+        run_pass(&of, add_errors, parts);
+    }
     double count = (double)out.counted;
     sphv_sum sum = total(parts, offsetof(partial, square));
     sphv_result square = sphv_sum_result(&sum);

@@ -17,23 +17,19 @@ sphv_status sphv_observe(const sphv_experiment *experiment, int realisation, lon
                            cloud.particles - 1);
     if (status == SPHV_OK) {
         status = sphv_cloud_neighbourhood(&cloud, index, &around);
-        double *field = status == SPHV_OK ? malloc((size_t)around.count * 4 * sizeof *field) : NULL;
+        double *field = status == SPHV_OK ? malloc((size_t)around.count * 5 * sizeof *field) : NULL;
         if (!field) {
             status = sphv_fail(error, SPHV_RESOURCE_FAILURE, "out of memory");
         } else {
-            double *s = field + around.count, *centroid = s + around.count;
+            double *s = field + 2 * around.count, *centroid = s + around.count;
             double *volume = centroid + around.count;
             for (int b = 0; b < around.count; b++) {
                 s[b] = around.s[b];
                 centroid[b] = around.centroid[b];
                 volume[b] = around.volume[b];
             }
-            for (int phase = SPHV_PHASE_SINE; phase <= SPHV_PHASE_COSINE; phase++) {
-                sphv_estimate estimate;
-                double error_found =
-                    sphv_phase_error(experiment, &around, (sphv_phase)phase, field, &estimate);
-                out->error[phase] = estimate.fault == SPHV_ESTIMATE_SOUND ? error_found : NAN;
-            }
+            sphv_estimate estimate = sphv_phase_errors(experiment, &around, field, out->error);
+            if (!estimate.usable) out->error[0] = out->error[1] = NAN;
             out->cells = (sphv_cells){around.count, around.self, s, centroid, volume};
             out->memory = field;
         }

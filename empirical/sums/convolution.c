@@ -38,7 +38,7 @@ static sphv_status sum_classes(sphv_convolution *of)
         enough = enough && sizes[k] && of->bound[k];
     }
     // The moments, then the neighbours, then sizes and errors of each radial function
-#pragma omp parallel for schedule(dynamic) reduction(+ : failed)
+#pragma omp parallel for schedule(dynamic) reduction(+ : failed) if (table->cells > SPHV_PARALLEL_MIN)
     for (int j = 0; j < moments + 7; j++) {
         int k = (j - moments - 1) / 2;
         bool error = j > moments && (j - moments - 1) % 2;
@@ -129,7 +129,7 @@ static sphv_status finish(sphv_convolution *of)
     size_t count = of->evaluation->particles->count;
     size_t blocks = (count + SPHV_BLOCK - 1) / SPHV_BLOCK;
     sphv_status status = SPHV_OK;
-#pragma omp parallel
+#pragma omp parallel if (count > SPHV_PARALLEL_MIN)
     {
         sphv_worker worker;
         bool ready = sphv_worker_make(&worker, of->evaluation) == SPHV_OK;

@@ -86,7 +86,7 @@ static sphv_status transform_kernels(sphv_convolution *of, size_t first, size_t 
 static void multiply(const sphv_convolution *of, const double *field, const double *pair,
                      const bool odd[2], int which, double *out)
 {
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (of->transform.points > SPHV_PARALLEL_MIN)
     for (size_t n = 0; n < of->transform.points; n++) {
         double g[2] = {0, 0}; // the transform of the kernel or kernels
         for (int s = 0; s < 2; s++) {
@@ -108,7 +108,7 @@ static void keep(sphv_convolution *of, const double *cube, int part, size_t fiel
 {
     double *out = of->sums[field * (size_t)of->evaluation->layout.per_field + kernel];
     double factor = 1 / ((double)of->transform.points * scale);
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (of->transform.points > SPHV_PARALLEL_MIN)
     for (size_t n = 0; n < of->evaluation->particles->count; n++)
         out[n] = cube[2 * cube_index(of, n, of->table.side, 0) + part] * factor;
 }

@@ -192,7 +192,7 @@ static sphv_status fill(const struct ingredients *with, sphv_lattice_table *tabl
         return sphv_fail(error, SPHV_RESOURCE_FAILURE, "out of memory for %zu offsets",
                          table->octant);
     bool jumps = false;
-#pragma omp parallel for schedule(static) reduction(|| : jumps)
+#pragma omp parallel for schedule(static) reduction(|| : jumps) if (table->octant > 1000)
     for (size_t n = 0; n < table->octant; n++) jumps = !evaluate(with, table, n) || jumps;
     if (jumps)
         return sphv_fail(error, SPHV_INVALID_INPUT,

@@ -78,7 +78,7 @@ static sphv_status transform_axis(const sphv_transform *of, gsl_fft_direction di
     size_t stride = power(of->size, of->dimension - 1 - axis);
     size_t bundles = (stride + BUNDLE - 1) / BUNDLE, tasks = power(limit, axis) * bundles;
     sphv_status status = SPHV_OK;
-#pragma omp parallel
+#pragma omp parallel if (of->points > SPHV_PARALLEL_MIN)
     {
         gsl_fft_complex_workspace *workspace = gsl_fft_complex_workspace_alloc(of->size);
         double *buffer = malloc(2 * BUNDLE * of->size * sizeof *buffer);

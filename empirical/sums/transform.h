@@ -8,6 +8,8 @@
 
 #include "sphverify/status.h"
 
+enum { SPHV_PARALLEL_MIN = 10000 }; ///< fewer points are not worth the wait for other threads
+
 /// Transforms of cubes with `size` points a side, the first coordinate running slowest.
 typedef struct sphv_transform {
     int dimension;

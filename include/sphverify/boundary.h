@@ -52,4 +52,40 @@ sphv_status sphv_predict_box_from(const sphv_box *box, const sphv_profile *profi
                                   sphv_moment_source source, sphv_box_prediction *out,
                                   sphv_error *error) SPHV_MUST_CHECK;
 
+/// What the papers ask of a kernel on particles, one component of each, V = Δx^d, s = (x_b −
+/// x_a)/h. Equation numbers are Sigalotti's (2016).
+typedef enum sphv_consistency_measure {
+    SPHV_NORMALISATION, ///< ΣWV − 1 (eqs. 10, 14): translations
+    SPHV_CENTRE,        ///< Σs_i WV (eq. 16, l = 1)
+    SPHV_SPREAD, ///< Σs_i² WV (eqs. 16, l = 2, and 18): the intrinsic diffusion σ²/h² (eq. 20)
+    SPHV_FLATNESS, ///< Σh∂_iW V (eq. 22, l = 0)
+    SPHV_ROTATION, ///< −Σs_i h∂_iW V − 1 (eq. 27, diagonal)
+    SPHV_SHEAR,    ///< −Σs_i h∂_jW V (eq. 27, off the diagonal; 0 in one dimension)
+    SPHV_CONSISTENCY_MEASURES
+} sphv_consistency_measure;
+
+extern const sphv_name_row sphv_consistency_measures[]; ///< ended by a NULL name
+
+typedef struct sphv_consistency {
+    double neighbours; ///< n_nb: lattice points within the support, the particle included
+    /// On the lattice. Normalisation, rotation and spread (of which the continuum's moment μ_2/d is
+    /// taken to be part) are alias sums, Σ_{m≠0} of a Fourier transform at 2π|m|/Δs: they fall as
+    /// that does. The others vanish by symmetry.
+    sphv_result lattice[SPHV_CONSISTENCY_MEASURES];
+    /// Expectation and standard deviation where every coordinate of every particle is perturbed.
+    /// The deviation is to leading order amplitude (Δx/h)^(1 + d/2) √∫|∇z|², z the measure's
+    /// summand: n_nb^−(1/2 + 1/d).
+    sphv_result mean[SPHV_CONSISTENCY_MEASURES], deviation[SPHV_CONSISTENCY_MEASURES];
+    /// That leading order, for a variance of amplitude² (normal) or amplitude²/3 (uniform).
+    double leading_deviation[SPHV_CONSISTENCY_MEASURES];
+} sphv_consistency;
+
+/// Predicts the measures of an interior particle.
+/// \param spacing    Δs = Δx/h, below κ
+/// \param amplitude  of the perturbation in Δx, as in sphv_box; 0 for the lattice alone
+/// \return SPHV_INVALID_INPUT for arguments outside their ranges
+sphv_status sphv_predict_consistency(const sphv_profile *profile, double spacing,
+                                     sphv_jitter jitter, double amplitude, sphv_consistency *out,
+                                     sphv_error *error) SPHV_MUST_CHECK;
+
 #endif

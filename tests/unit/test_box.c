@@ -269,6 +269,45 @@ static void test_volumes(void **state)
     }
 }
 
+/// m/ρ against plain sums over every pair; a particle that sees no other has 1/W(0).
+static void test_density_volumes(void **state)
+{
+    (void)state;
+    random_start("density volumes");
+    sphv_kernel *kernel = load_kernel("cubic-spline");
+    for (int l = 0; l < (quick() ? 4 : 24); l++) {
+        int d = l % 3 + 1;
+        const sphv_profile *profile = sphv_kernel_profile(kernel, d);
+        sphv_box box = plain_box(d, (size_t)random_integer(2, d == 1 ? 60 : d == 2 ? 9 : 4));
+        double step = 1 / (double)box.side, h = l % 4 ? step * random_uniform(0.6, 3) : step * 0.1;
+        box.layout = l % 4 ? (sphv_layout)random_integer(SPHV_LATTICE, SPHV_RANDOM) : SPHV_LATTICE;
+        if (box.layout == SPHV_PERTURBED) box.amplitude = 0.3;
+        box.volume = SPHV_VOLUME_DENSITY;
+        box.seed = (uint64_t)random_integer(0, 1L << 40);
+        sphv_particles particles;
+        sphv_error error = {SPHV_OK, ""};
+        assert_ok(sphv_particles_make(&box, profile, h, &particles, &error), error);
+        for (size_t a = 0; a < particles.count; a++) {
+            long double sum = 0;
+            for (size_t b = 0; b < particles.count; b++) {
+                double square = 0;
+                for (int i = 0; i < d; i++)
+                    square += gsl_pow_2(particles.x[i][b] - particles.x[i][a]);
+                sum += sphv_profile_derivative(profile, 0, sqrt(square) / h).value;
+            }
+            double expected = (double)(powl(h, d) / sum);
+            // One kernel of at most 60 is off by a rounding of q, times q Ŵ′/Ŵ(0) < 3; h^d, 1/ρ
+            // and the sum by few more
+            assert_close(particles.volume[a], expected, 60 * 12 * U * expected);
+            if (l % 4 == 0)
+                assert_close(expected, pow(h, d) / sphv_profile_derivative(profile, 0, 0).value,
+                             8 * U * expected);
+        }
+        sphv_particles_free(&particles);
+    }
+    sphv_kernel_free(kernel);
+}
+
 static void refuse(sphv_box box, const char *part)
 {
     sphv_particles particles;
@@ -366,13 +405,10 @@ static void test_equal_volumes_need_a_box(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_lattices),
-        cmocka_unit_test(test_perturbed),
-        cmocka_unit_test(test_statistics),
-        cmocka_unit_test(test_threads_and_seeds),
-        cmocka_unit_test(test_volumes),
-        cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_equal_volumes_need_a_box),
+        cmocka_unit_test(test_lattices),   cmocka_unit_test(test_perturbed),
+        cmocka_unit_test(test_statistics), cmocka_unit_test(test_threads_and_seeds),
+        cmocka_unit_test(test_volumes),    cmocka_unit_test(test_density_volumes),
+        cmocka_unit_test(test_refusals),   cmocka_unit_test(test_equal_volumes_need_a_box),
     };
     return run_group(tests);
 }

@@ -65,6 +65,11 @@ static void test_isolated(void **state)
             double value = raw ? alone : m == SPHV_SHEPARD || m == SPHV_RKPM_0 ? own : 0;
             assert_close(at.estimate[0], value, 4 * DBL_EPSILON * fabs(value));
             for (int i = 1; i <= d; i++) assert_close(at.estimate[i], 0, 0);
+            bool matrix = sphv_method_least((sphv_method)m, d) > 1;
+            if (matrix)
+                assert_true(at.condition == INFINITY);
+            else
+                assert_close(at.condition, 1, 4 * DBL_EPSILON);
         }
     }
     sphv_kernel_free(kernel);
