@@ -216,7 +216,7 @@ sphv_status sphv_lattice_table_make(const sphv_evaluation *evaluation, sphv_latt
     table->volume = particles->volume[0];
     for (int i = 0; i < table->dimension; i++) table->volume /= h;
     double reach = ceil(profile->support / table->step) + 1;
-    table->reach = reach < (double)table->side ? (size_t)reach : table->side - 1;
+    table->reach = (size_t)fmin(reach, (double)table->side - 1);
     table->width = 2 * table->reach + 1;
     table->cells = power(table->width, table->dimension);
     table->octant = power(table->reach + 1, table->dimension);
