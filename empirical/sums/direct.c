@@ -235,8 +235,8 @@ static void sum_group(const struct direct *direct, struct bench *bench, const st
         int fields = all - f < SPHV_PASS_FIELDS ? all - f : SPHV_PASS_FIELDS;
         sphv_sources sources = {.v = direct->v};
         for (int i = 0; i < d; i++) sources.x[i] = grid->x[i];
-        for (int j = 0; j < fields; j++) {
-            sources.field[j] = direct->field[f + j];
+        for (int j = 0; j < SPHV_PASS_FIELDS; j++) { // the first again for want of a second
+            sources.field[j] = direct->field[j < fields ? f + j : f];
             for (uint32_t l = 0; l < SPHV_LANES_MAX; l++) {
                 uint32_t target = l < group->count ? l : group->count - 1;
                 pass->a[j][l] = sources.field[j][grid->target[group->first + target]];
@@ -251,7 +251,8 @@ static void sum_group(const struct direct *direct, struct bench *bench, const st
                                               ranges, bench->ranges, bench->gathered);
             for (int i = 0; i < d; i++) pass->sources.x[i] = bench->gathered[i];
             pass->sources.v = bench->gathered[d];
-            for (int j = 0; j < fields; j++) pass->sources.field[j] = bench->gathered[d + 1 + j];
+            for (int j = 0; j < SPHV_PASS_FIELDS; j++)
+                pass->sources.field[j] = bench->gathered[d + 1 + (j < fields ? j : 0)];
             total = whole.to;
         }
         function(pass, gathers ? 1 : ranges, gathers ? &whole : bench->ranges);

@@ -6,6 +6,7 @@
 
 enum {
     PART = 128,       ///< longest run of sources summed plainly; longer ones are summed in parts
+    AHEAD = 8,        ///< sources whose distances are taken before they are used
     DEGREE_TERMS = 21 ///< monomials of degree 5 in three dimensions
 };
 
@@ -43,9 +44,10 @@ SPHV_INLINE vec v_powered(const double *term, int low, int terms, vec t)
     return sum;
 }
 
-/// v p_0, v p_1 (and v p_2) at a distance r in each lane.
-SPHV_INLINE void radial_functions(const sphv_radial *radial, const shape known, const int functions,
-                                  vec r, vec v, vec w[3])
+/// v p_0, v p_1 (and v p_2) at a distance r in each lane. \param inverse 1/r, or 0
+SPHV_INLINE void radial_functions(const sphv_radial *radial, const shape known,
+                                  const sphv_radial_form form, const int functions, vec r,
+                                  vec inverse, vec v, vec w[3])
 {
     const vec zero = v_set(0), minus_inverse_h = v_set(-radial->inverse_h);
     if (known.knots == 1 && known.form == SPHV_RADIAL_QUOTIENT) {
@@ -72,11 +74,8 @@ SPHV_INLINE void radial_functions(const sphv_radial *radial, const shape known, 
         }
     }
     UNROLL for (int k = 0; k < functions; k++) w[k] = v_mul(w[k], v);
-    if (functions > 2 || known.form == SPHV_RADIAL_SLOPE) {
-        vec inverse = v_div_where(v_less(zero, r), v_set(1), r);
-        if (known.form == SPHV_RADIAL_SLOPE) w[1] = v_mul(w[1], inverse);
-        if (functions > 2) w[2] = v_mul(w[2], inverse);
-    }
+    if (form == SPHV_RADIAL_SLOPE) w[1] = v_mul(w[1], inverse);
+    if (functions > 2) w[2] = v_mul(w[2], inverse);
 }
 
 /// The same from the profile, lane by lane, with sizes.
@@ -168,62 +167,106 @@ SPHV_INLINE void add_terms(const addition to, vec w, const vec d[3], const vec d
     if (degree >= 5) add_degree(to, 5, even, odd, d, da, moments, sums);
 }
 
+/// What a pass knows when it is compiled.
+typedef struct plan {
+    int dimension, fields, functions, moments, per_field, count;
+    sphv_sum_set set;
+    shape known;
+} plan;
+
+/// What is known of a source before its turn.
+typedef struct prepared {
+    vec r; ///< distance; its square where the profile wants that
+    vec inverse, v;
+} prepared;
+
+/// Distance and masked volume of source b. Roots take long, and the many operations that wait for
+/// one would fill the processor's scheduler: they are taken AHEAD sources before they are used.
+/// Without need for 1/r the root comes from the processor's square root, and where that would be
+/// waited for (few sums) in turns from multiplications: both units are busy.
+SPHV_INLINE void prepare(const plan of, const sphv_pass *pass, const vec x[3], size_t b,
+                         const sphv_radial_form form, vec *neighbours, prepared *out)
+{
+    vec square = v_set(0);
+    UNROLL for (int i = 0; i < of.dimension; i++)
+    {
+        vec d = v_sub(v_set(pass->sources.x[i][b]), x[i]);
+        square = i ? v_add(square, v_mul(d, d)) : v_mul(d, d);
+    }
+    mask near = v_less(square, v_set(pass->radial->limit));
+    *neighbours = v_count(*neighbours, near);
+    out->v = v_where(near, v_set(pass->sources.v[b]));
+    if (form == SPHV_RADIAL_PROFILE)
+        out->r = square;
+    else if (of.known.knots == 1 && (of.count >= 14 || b % 2))
+        out->r = v_sqrt(square);
+    else
+        out->r = v_root(square, &out->inverse);
+}
+
+/// Adds source b to all sums.
+SPHV_INLINE void add_source(const plan of, const sphv_pass *pass, const vec x[3], const vec a[2],
+                            size_t b, const sphv_radial_form form, const prepared *from, vec *sum)
+{
+    vec d[3], da[2], w[3], size[3];
+    UNROLL for (int i = 0; i < of.dimension; i++) d[i] = v_sub(v_set(pass->sources.x[i][b]), x[i]);
+    UNROLL for (int f = 0; f < of.fields; f++) da[f] =
+        v_sub(v_set(pass->sources.field[f][b]), a[f]);
+    if (form == SPHV_RADIAL_PROFILE) {
+        profile_functions(pass, from->r, w, size);
+        UNROLL for (int k = 0; k < 3; k++)
+        {
+            w[k] = v_mul(w[k], from->v);
+            sum[of.moments + k] =
+                v_fma(v_max(from->v, v_sub(v_set(0), from->v)), size[k], sum[of.moments + k]);
+        }
+    } else {
+        radial_functions(pass->radial, of.known, form, of.functions, from->r, from->inverse,
+                         from->v, w);
+    }
+    int moment_at = 0, field_at = of.moments + 3;
+    UNROLL for (int k = 0; k < of.functions; k++)
+    {
+        const addition terms = {of.dimension, of.fields, of.per_field, of.set.moment[k],
+                                of.set.field[k]};
+        add_terms(terms, w[k], d, da, sum + moment_at, sum + field_at);
+        moment_at += of_degrees(of.dimension, of.set.moment[k]);
+        field_at += of_degrees(of.dimension, of.set.field[k]);
+    }
+}
+
 /// The pass for one dimension, level, number of fields and shape, all known to the compiler.
 SPHV_INLINE void run(sphv_pass *pass, size_t range_count, const sphv_range *ranges,
                      const int dimension, const sphv_sum_level level, const int fields,
                      const shape known)
 {
-    const sphv_sum_set set = sets[level];
-    const int functions = set.moment[2].from <= set.moment[2].to ? 3 : 2;
-    int moments = 0, per_field = 0;
-    UNROLL for (int k = 0; k < functions; k++)
+    plan of = {.dimension = dimension, .fields = fields, .set = sets[level], .known = known};
+    of.functions = of.set.moment[2].from <= of.set.moment[2].to ? 3 : 2;
+    UNROLL for (int k = 0; k < of.functions; k++)
     {
-        moments += of_degrees(dimension, set.moment[k]);
-        per_field += of_degrees(dimension, set.field[k]);
+        of.moments += of_degrees(dimension, of.set.moment[k]);
+        of.per_field += of_degrees(dimension, of.set.field[k]);
     }
-    const int count = moments + 3 + fields * per_field;
-    const sphv_radial *radial = pass->radial;
-    const vec limit = v_set(radial->limit);
+    of.count = of.moments + 3 + fields * of.per_field;
+    const sphv_radial_form form = known.knots > 0 ? known.form : pass->radial->form;
+    prepared ahead[PART];
     vec x[3], a[2], neighbours = v_set(0);
     UNROLL for (int i = 0; i < dimension; i++) x[i] = v_load(pass->x[i]);
     UNROLL for (int f = 0; f < fields; f++) a[f] = v_load(pass->a[f]);
-    for (int k = 0; k < count; k++) v_store(pass->sums + k * SPHV_LANES_MAX, v_set(0));
+    for (int k = 0; k < of.count; k++) v_store(pass->sums + k * SPHV_LANES_MAX, v_set(0));
     for (size_t r = 0; r < range_count; r++) {
         for (size_t from = ranges[r].from; from < ranges[r].to; from += PART) {
-            size_t to = ranges[r].to - from < PART ? ranges[r].to : from + PART;
+            size_t b = from, to = ranges[r].to - from < PART ? ranges[r].to : from + PART;
             vec sum[SPHV_PASS_SUMS];
-            UNROLL for (int k = 0; k < count; k++) sum[k] = v_set(0);
-            for (size_t b = from; b < to; b++) {
-                vec d[3], da[2], w[3], size[3], square = v_set(0);
-                UNROLL for (int i = 0; i < dimension; i++)
-                {
-                    d[i] = v_sub(v_set(pass->sources.x[i][b]), x[i]);
-                    square = i ? v_add(square, v_mul(d[i], d[i])) : v_mul(d[i], d[i]);
-                }
-                UNROLL for (int f = 0; f < fields; f++) da[f] =
-                    v_sub(v_set(pass->sources.field[f][b]), a[f]);
-                mask near = v_less(square, limit);
-                vec v = v_where(near, v_set(pass->sources.v[b]));
-                neighbours = v_count(neighbours, near);
-                if (known.form == SPHV_RADIAL_PROFILE) {
-                    profile_functions(pass, square, w, size);
-                    UNROLL for (int k = 0; k < 3; k++) w[k] = v_mul(w[k], v);
-                    UNROLL for (int k = 0; k < 3; k++) sum[moments + k] =
-                        v_fma(v_max(v, v_sub(v_set(0), v)), size[k], sum[moments + k]);
-                } else {
-                    radial_functions(radial, known, functions, v_sqrt(square), v, w);
-                }
-                int moment_at = 0, field_at = moments + 3;
-                UNROLL for (int k = 0; k < functions; k++)
-                {
-                    const addition terms = {dimension, fields, per_field, set.moment[k],
-                                            set.field[k]};
-                    add_terms(terms, w[k], d, da, sum + moment_at, sum + field_at);
-                    moment_at += of_degrees(dimension, set.moment[k]);
-                    field_at += of_degrees(dimension, set.field[k]);
-                }
+            UNROLL for (int k = 0; k < of.count; k++) sum[k] = v_set(0);
+            for (; b < to && b < from + AHEAD; b++)
+                prepare(of, pass, x, b, form, &neighbours, &ahead[b - from]);
+            for (b = from; b < to; b++) {
+                if (b + AHEAD < to)
+                    prepare(of, pass, x, b + AHEAD, form, &neighbours, &ahead[b - from + AHEAD]);
+                add_source(of, pass, x, a, b, form, &ahead[b - from], sum);
             }
-            UNROLL for (int k = 0; k < count; k++)
+            UNROLL for (int k = 0; k < of.count; k++)
             {
                 double *total = pass->sums + k * SPHV_LANES_MAX;
                 v_store(total, v_add(v_load(total), sum[k]));
@@ -234,9 +277,7 @@ SPHV_INLINE void run(sphv_pass *pass, size_t range_count, const sphv_range *rang
 }
 
 // The shapes that are worth a loop of their own: Wendland's C2, C4 and C6, the cubic spline.
-#define SHAPE_PROFILE SPHV_RADIAL_PROFILE, 0, 0, 0
-#define SHAPE_QUOTIENT SPHV_RADIAL_QUOTIENT, 0, 0, 0
-#define SHAPE_SLOPE SPHV_RADIAL_SLOPE, 0, 0, 0
+#define SHAPE_ANY SPHV_RADIAL_PROFILE, 0, 0, 0
 #define SHAPE_C2 SPHV_RADIAL_QUOTIENT, 1, 4, 2
 #define SHAPE_C4 SPHV_RADIAL_QUOTIENT, 1, 6, 3
 #define SHAPE_C6 SPHV_RADIAL_QUOTIENT, 1, 8, 4
@@ -254,18 +295,11 @@ SPHV_INLINE void run(sphv_pass *pass, size_t range_count, const sphv_range *rang
 // Special shapes first: the first row that fits is taken.
 #define BOTH_FIELDS(X, d, level, name) X(d, level, 1, name) X(d, level, 2, name)
 #define LOW(X, d, name) BOTH_FIELDS(X, d, STANDARD, name) BOTH_FIELDS(X, d, FIRST, name)
-#define ANY(X, d, level)                                                                           \
-    BOTH_FIELDS(X, d, level, QUOTIENT)                                                             \
-    BOTH_FIELDS(X, d, level, SLOPE)                                                                \
-    BOTH_FIELDS(X, d, level, PROFILE)
 #define DIMENSION(X, d)                                                                            \
-    ANY(X, d, STANDARD)                                                                            \
-    ANY(X, d, FIRST)                                                                               \
-    ANY(X, d, REPRODUCING)                                                                         \
-    BOTH_FIELDS(X, d, SECOND, QUOTIENT)                                                            \
-    BOTH_FIELDS(X, d, SECOND, PROFILE)                                                             \
-    BOTH_FIELDS(X, d, ALL, QUOTIENT)                                                               \
-    BOTH_FIELDS(X, d, ALL, PROFILE)
+    LOW(X, d, ANY)                                                                                 \
+    X(d, REPRODUCING, 2, ANY)                                                                      \
+    X(d, SECOND, 2, ANY)                                                                           \
+    X(d, ALL, 2, ANY)
 #define SPECIAL(X, d) LOW(X, d, C2) LOW(X, d, C4) LOW(X, d, C6) LOW(X, d, CUBIC)
 #define EVERY(X) SPECIAL(X, 2) SPECIAL(X, 3) DIMENSION(X, 1) DIMENSION(X, 2) DIMENSION(X, 3)
 
@@ -281,11 +315,11 @@ static const struct {
 
 static bool fits(const shape *known, const sphv_radial *radial)
 {
-    if (known->form != radial->form) return false;
-    return known->knots == 0 ||
-           (known->knots == radial->knots && known->low == radial->low[0] &&
-            known->terms == radial->terms[0] && radial->low[1] == known->low - 1 &&
-            radial->terms[1] == known->terms - (known->form == SPHV_RADIAL_QUOTIENT));
+    if (known->knots == 0) return true;
+    return known->form == radial->form && known->knots == radial->knots &&
+           known->low == radial->low[0] && known->terms == radial->terms[0] &&
+           radial->low[1] == known->low - 1 &&
+           radial->terms[1] == known->terms - (known->form == SPHV_RADIAL_QUOTIENT);
 }
 
 static sphv_pass_function *choose(int dimension, sphv_sum_level level, int fields,
@@ -293,7 +327,7 @@ static sphv_pass_function *choose(int dimension, sphv_sum_level level, int field
 {
     for (size_t i = 0; i < sizeof passes / sizeof *passes; i++)
         if (passes[i].dimension == dimension && passes[i].level == level &&
-            passes[i].fields == fields && fits(&passes[i].known, radial))
+            passes[i].fields >= fields && fits(&passes[i].known, radial))
             return passes[i].pass;
     return NULL;
 }

@@ -49,7 +49,7 @@ typedef size_t sphv_gather_function(const sphv_sources *from, int dimension, int
 typedef struct sphv_pass_set {
     const char *name;
     int lanes;
-    /// \param fields 1 or 2. \return the pass for such sums
+    /// \param fields 1 or 2. \return the pass for such sums; it may take two fields for one
     sphv_pass_function *(*choose)(int dimension, sphv_sum_level level, int fields,
                                   const sphv_radial *radial);
     sphv_gather_function *gather;

@@ -137,8 +137,8 @@ static bool bound(sphv_radial *radial, int k, int m, double largest)
 {
     int operations = 2 * (radial->terms[k] + radial->low[k]) + radial->knots + 6;
     double terms = magnitude(radial, k, 0), support = radial->profile->support;
-    // q is wrong by 6 u κ at most; what is divided by q counts it twice.
-    double error = operations * SPHV_U * terms + 6 * SPHV_U * support * magnitude(radial, k, 1);
+    // r² is wrong by 5 u, its root by 2 u more, q by 2 u more, and 1/q is as well.
+    double error = operations * SPHV_U * terms + 8 * SPHV_U * support * magnitude(radial, k, 1);
     error *= pow(support, radial->over_q[k] ? m - 1 : m);
     error += 8 * SPHV_U * largest;
     radial->size[k] = largest + error / (SPHV_RADIAL_ERROR * SPHV_U);

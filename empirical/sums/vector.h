@@ -81,6 +81,19 @@ SPHV_INLINE vec v_count(vec n, mask m)
     return _mm512_mask_add_pd(n, m, n, v_set(1));
 }
 
+/// Root and inverse root, 0 for 0, without the divider: an estimate good to 14 bits, and a series
+/// in what is left of 1 − a y², to which its fifth term would add 0.3 u. Each is wrong by 2 u at
+/// most: what rounds a·y halves, and the last operation rounds once.
+SPHV_INLINE vec v_root(vec a, vec *inverse)
+{
+    vec y = _mm512_maskz_rsqrt14_pd(v_less(v_set(0), a), a), root = v_mul(a, y);
+    vec rest = v_fnma(root, y, v_set(1));
+    vec series = v_fma(v_fma(v_set(0.3125), rest, v_set(0.375)), rest, v_set(0.5));
+    series = v_mul(series, rest);
+    *inverse = v_fma(series, y, y);
+    return v_fma(series, root, root);
+}
+
 #elif defined(__AVX2__) && defined(__FMA__) && !defined(SPHV_LANES_PLAIN)
 
 #include <immintrin.h>
@@ -225,6 +238,15 @@ SPHV_INLINE vec v_count(vec n, mask m)
     return v_add(n, v_where(m, v_set(1)));
 }
 
+#endif
+
+#if !(defined(__AVX512F__) && defined(__AVX512DQ__) && !defined(SPHV_LANES_PLAIN))
+SPHV_INLINE vec v_root(vec a, vec *inverse)
+{
+    vec root = v_sqrt(a);
+    *inverse = v_div_where(v_less(v_set(0), a), v_set(1), root);
+    return root;
+}
 #endif
 
 #endif

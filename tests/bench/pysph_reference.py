@@ -2,7 +2,7 @@
 
 Called as  pysph_reference.py FOLDER DIMENSION KERNEL H METHOD REPETITIONS
 FOLDER/particles holds N rows of doubles x y z V A. Writes the estimates (value and gradient, N rows
-of four doubles) to FOLDER/estimates and prints the seconds of each repetition, search included.
+of four doubles) to FOLDER/estimates and prints the processor seconds of each repetition, search included.
 """
 import sys
 import time
@@ -148,10 +148,10 @@ def main():
     nnps = LinkedListNNPS(dim=dim, particles=[particles], radius_scale=kernel.radius_scale)
     evaluation.set_nnps(nnps)
     for _ in range(int(repetitions)):
-        start = time.perf_counter()
+        start = time.process_time()
         nnps.update()
         evaluation.compute(0.0, 0.1)
-        print('seconds %.6f' % (time.perf_counter() - start), flush=True)
+        print('seconds %.6f' % (time.process_time() - start), flush=True)
     numpy.column_stack([getattr(particles, name) for name in SUMS[:4]]).tofile(
         folder + '/estimates')
 
