@@ -35,10 +35,13 @@ static sphv_status transform_fields(sphv_convolution *of, size_t first, double *
     for (size_t f = first; f < first + 2 && f < of->fields; f++) {
         double centre = of->centre[f];
         scale[f - first] = normalising(of->evaluation->spread[f]);
-        for (size_t n = 0; n < count; n++) {
-            double value = (request->fields[f][n] - centre) * scale[f - first];
-            cube[2 * cube_index(of, n, side, 0) + (f - first)] = value;
-            square += value * value;
+        for (size_t n = 0; n < count; n += side) {
+            double *line = cube + 2 * cube_index(of, n, side, 0) + (f - first);
+            for (size_t i = 0; i < side; i++) {
+                double value = (request->fields[f][n + i] - centre) * scale[f - first];
+                line[2 * i] = value;
+                square += value * value;
+            }
         }
     }
     *norm = 1.0001 * sqrt(square);
@@ -56,12 +59,12 @@ static sphv_status transform_kernels(sphv_convolution *of, size_t first, size_t 
     for (size_t s = 0; s < 2 && first + s < count; s++) {
         sphv_offset_function function = sphv_kernel_function(of, &of->field[first + s]);
         bool odd = function.monomial->degree % 2;
-        double square = 0;
+        double largest = 0;
         // i times a real number, and that times i again, or not: where it belongs, and its sign
         size_t part = (s + odd) % 2;
         double sign = odd && s ? -1 : 1;
         for (int pass = 0; pass < 2; pass++) {
-            if (pass) scale[s] = normalising(sqrt(square));
+            if (pass) scale[s] = normalising(largest);
             for (size_t n = 0; n < table->cells; n++) {
                 long offset[SPHV_DIMENSIONS] = {0};
                 size_t rest = n;
@@ -69,14 +72,15 @@ static sphv_status transform_kernels(sphv_convolution *of, size_t first, size_t 
                     offset[i] = (long)table->reach - (long)(rest % table->width);
                 double value = sphv_offset_value(table, &function, offset);
                 if (pass == 0) {
-                    square += value * value;
+                    largest = fmax(largest, fabs(value));
                 } else {
                     size_t at = cube_index(of, n, table->width, of->transform.size - table->reach);
-                    cube[2 * at + part] += sign * scale[s] * value;
+                    value *= scale[s];
+                    cube[2 * at + part] += sign * value;
+                    squares += value * value;
                 }
             }
         }
-        squares += square * scale[s] * scale[s];
     }
     *norm = 1.0001 * sqrt(2 * squares); // of sums of two in one part as well
     return sphv_transform_forward(&of->transform, cube, of->transform.size);
@@ -102,25 +106,31 @@ static void multiply(const sphv_convolution *of, const double *field, const doub
     }
 }
 
-/// Keeps a part of a cube as the sums of one field and kernel.
+/// Keeps a part of a cube as the sums of one field and kernel. The scales are undone one by one:
+/// their product may overflow.
 static void keep(sphv_convolution *of, const double *cube, int part, size_t field, size_t kernel,
-                 double scale)
+                 double field_scale, double kernel_scale)
 {
     double *out = of->sums[field * (size_t)of->evaluation->layout.per_field + kernel];
-    double factor = 1 / ((double)of->transform.points * scale);
+    double factor = 1 / (double)of->transform.points / kernel_scale;
+    size_t side = of->table.side;
 #pragma omp parallel for schedule(static) if (of->transform.points > SPHV_PARALLEL_MIN)
-    for (size_t n = 0; n < of->evaluation->particles->count; n++)
-        out[n] = cube[2 * cube_index(of, n, of->table.side, 0) + part] * factor;
+    for (size_t n = 0; n < of->evaluation->particles->count; n += side) {
+        const double *line = cube + 2 * cube_index(of, n, side, 0) + part;
+        for (size_t i = 0; i < side; i++) out[n + i] = line[2 * i] * factor / field_scale;
+    }
 }
 
+/// \param norms of the scaled field and kernel
 static void note_error(sphv_convolution *of, size_t field, const sphv_sum_kernel *kernel,
-                       double norms, double scale)
+                       double norms, double field_scale, double kernel_scale)
 {
-    // Three transforms, and 8u for the product, the division and the parts
-    double error = 1.01 * (3 * sphv_transform_error(&of->transform) + 8 * SPHV_U) * norms / scale;
-    double unit = sphv_kernel_reach(of, kernel) * of->evaluation->spread[field];
-    if (unit > 0)
-        of->transform_error[kernel->k] = fmax(of->transform_error[kernel->k], error / unit);
+    // Three transforms, and 8u for the product, the divisions and the parts
+    double relative = 1.01 * (3 * sphv_transform_error(&of->transform) + 8 * SPHV_U);
+    double spread = of->evaluation->spread[field] * field_scale;
+    double error = relative * norms / kernel_scale / sphv_kernel_reach(of, kernel);
+    if (spread > 0) // else all is 0
+        of->transform_error[kernel->k] = fmax(of->transform_error[kernel->k], error / spread);
 }
 
 /// Sums of one or two fields with one or two kernels.
@@ -139,9 +149,9 @@ static sphv_status convolve_pair(sphv_convolution *of, size_t field, const doubl
         status = sphv_transform_backward(&of->transform, work, of->table.side);
         for (size_t part = 0; part < (single ? pair : 2) && status == SPHV_OK; part++) {
             size_t f = field + (single ? 0 : part), kernel = first + (single ? part : s);
-            double scale = field_scale[f - field] * kernel_scale[kernel - first];
-            keep(of, work, (int)part, f, kernel, scale);
-            note_error(of, f, &of->field[kernel], norms, scale);
+            double scale = field_scale[f - field], kernels_scale = kernel_scale[kernel - first];
+            keep(of, work, (int)part, f, kernel, scale, kernels_scale);
+            note_error(of, f, &of->field[kernel], norms, scale, kernels_scale);
         }
         sphv_evaluation_advance(of->evaluation, &of->done, of->steps);
     }

@@ -194,6 +194,14 @@ static sphv_status fill(const struct ingredients *with, sphv_lattice_table *tabl
     bool jumps = false;
 #pragma omp parallel for schedule(static) reduction(|| : jumps) if (table->octant > 1000)
     for (size_t n = 0; n < table->octant; n++) jumps = !evaluate(with, table, n) || jumps;
+    for (size_t n = 0; n < table->octant; n++)
+        for (int k = 0; k < 3; k++)
+            if (table->degree[k] >= 0 &&
+                !isfinite(table->volume * (table->size[k][n] + table->error[k][n] / SPHV_U)))
+                return sphv_fail(error, SPHV_INVALID_INPUT,
+                                 "the sums overflow: volumes of %g with h = %g; allowed: the "
+                                 "direct route",
+                                 table->volume, with->radial->h);
     if (jumps)
         return sphv_fail(error, SPHV_INVALID_INPUT,
                          "the kernel or a derivative jumps at the distance of a particle, where "
