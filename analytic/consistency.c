@@ -19,7 +19,7 @@ const sphv_name_row sphv_consistency_measures[] = {
     {NULL, NULL},
 };
 
-enum { Z = SPHV_CONSISTENCY_MEASURES, NODES = 4 };
+enum { Z = SPHV_CONSISTENCY_MEASURES, NODES = 4, WINDOW = 5 };
 
 static double value_average(const sphv_profile *profile, double q)
 {
@@ -62,19 +62,24 @@ static sphv_result shell_sum(const sphv_profile *profile, sphv_radial_function r
 static sphv_result alias_sum(const sphv_profile *profile, sphv_radial_function radial,
                              double spacing)
 {
-    const int last = profile->dimension == 3 ? 8 : 24;
+    const int last = profile->dimension == 3 ? 10 : 40;
     sphv_result sum = {0, 0};
-    double size = INFINITY, doubt = 0;
+    // A transform has zeros, so that one small shell does not mean that the next ones are.
+    double sizes[WINDOW], largest = INFINITY, doubt = 0;
     int shell = 0;
-    while (shell < last && size > doubt) {
-        sphv_result part = shell_sum(profile, radial, spacing, ++shell, &size);
+    while (shell < last && largest > doubt) {
+        double *size = &sizes[shell % WINDOW];
+        sphv_result part = shell_sum(profile, radial, spacing, ++shell, size);
         sum.value += part.value;
         sum.bound += part.bound;
         doubt = part.bound;
+        if (shell < WINDOW) continue;
+        largest = 0;
+        for (int i = 0; i < WINDOW; i++) largest = fmax(largest, sizes[i]);
     }
     // β >= 2 makes the modes of −qŴ′, the slowest of all, fall like m^−(2 + (d + 1)/2), shells of
     // 2d (2m)^(d−1) of them at least like m^−2: Σ_{m>M} (M/m)² < M.
-    sum.bound += shell * (size + doubt);
+    sum.bound += shell * (largest + doubt);
     return sum;
 }
 
@@ -222,17 +227,21 @@ static void perturbed(const sphv_profile *profile, double spacing, const struct 
 static void predict_aliases(const sphv_profile *profile, double spacing, sphv_consistency *out)
 {
     int d = profile->dimension;
-    out->lattice[SPHV_NORMALISATION] = alias_sum(profile, value_average, spacing);
-    out->lattice[SPHV_NORMALISATION].value += profile->excess;
-    out->lattice[SPHV_ROTATION] = alias_sum(profile, rotation_average, spacing);
-    out->lattice[SPHV_ROTATION].value += profile->slope_excess;
+    if (profile->boundary_smoothness < 2) {
+        for (int m = 0; m < Z; m++) out->aliases[m].bound = INFINITY;
+        return;
+    }
+    out->aliases[SPHV_NORMALISATION] = alias_sum(profile, value_average, spacing);
+    out->aliases[SPHV_NORMALISATION].value += profile->excess;
+    out->aliases[SPHV_ROTATION] = alias_sum(profile, rotation_average, spacing);
+    out->aliases[SPHV_ROTATION].value += profile->slope_excess;
     sphv_result spread = alias_sum(profile, spread_average, spacing);
     spread.value += profile->moment[2].value / d;
     spread.bound += profile->moment[2].bound / d;
-    out->lattice[SPHV_SPREAD] = spread;
+    out->aliases[SPHV_SPREAD] = spread;
 }
 
-/// By the lattice's moments, for kernels whose transforms fall too slowly.
+/// By the lattice's moments.
 static sphv_status predict_moments(const sphv_profile *profile, double spacing,
                                    sphv_consistency *out, sphv_error *error)
 {
@@ -281,12 +290,9 @@ sphv_status sphv_predict_consistency(const sphv_profile *profile, double spacing
         return sphv_fail(error, SPHV_INVALID_INPUT, "amplitude is %g; allowed: 0 to 0.5",
                          amplitude);
     out->neighbours = count_neighbours(profile, spacing);
-    if (profile->boundary_smoothness >= 2) {
-        predict_aliases(profile, spacing, out);
-    } else {
-        sphv_status status = predict_moments(profile, spacing, out, error);
-        if (status != SPHV_OK) return status;
-    }
+    sphv_status status = predict_moments(profile, spacing, out, error);
+    if (status != SPHV_OK) return status;
+    predict_aliases(profile, spacing, out);
     for (int m = 0; m < Z; m++) out->mean[m] = out->lattice[m];
     if (amplitude == 0) return SPHV_OK;
     struct jitter_rule fine, coarse;

@@ -68,10 +68,12 @@ extern const sphv_name_row sphv_consistency_measures[]; ///< ended by a NULL nam
 
 typedef struct sphv_consistency {
     double neighbours; ///< n_nb: lattice points within the support, the particle included
-    /// On the lattice. Normalisation, rotation and spread (of which the continuum's moment μ_2/d is
-    /// taken to be part) are alias sums, Σ_{m≠0} of a Fourier transform at 2π|m|/Δs: they fall as
-    /// that does. The others vanish by symmetry.
+    /// On the lattice, by the kernel's sums over it. Centre, flatness and shear vanish by symmetry.
     sphv_result lattice[SPHV_CONSISTENCY_MEASURES];
+    /// The same by Poisson's formula, as the continuum's value (of the spread: μ_2/d) and aliases,
+    /// Fourier transforms at 2π|m|/Δs, m ≠ 0: why the errors fall with n_nb as they do. The bound
+    /// is infinite for kernels with β < 2, whose aliases fall too slowly to be summed.
+    sphv_result aliases[SPHV_CONSISTENCY_MEASURES];
     /// Expectation and standard deviation where every coordinate of every particle is perturbed.
     /// The deviation is to leading order amplitude (Δx/h)^(1 + d/2) √∫|∇z|², z the measure's
     /// summand: n_nb^−(1/2 + 1/d).
