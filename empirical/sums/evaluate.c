@@ -60,6 +60,11 @@ static sphv_status check(const sphv_particles *particles, const sphv_request *re
     for (int i = 0; status == SPHV_OK && i < particles->dimension; i++)
         status =
             check_numbers(particles->x[i], particles->count, "coordinate", (size_t)i + 1, error);
+    for (int i = 0; status == SPHV_OK && particles->periodic && i < particles->dimension; i++)
+        for (size_t b = 0; b < particles->count; b++)
+            if (!(particles->x[i][b] >= 0 && particles->x[i][b] <= 1))
+                return sphv_fail(error, SPHV_INVALID_INPUT,
+                                 "particle %zu is outside the periodic box [0, 1]", b);
     if (status == SPHV_OK)
         status = check_numbers(particles->volume, particles->count, "volume", 1, error);
     for (size_t f = 0; status == SPHV_OK && f < request->field_count; f++)

@@ -167,7 +167,7 @@ static void test_kernels(void **state)
     (void)state;
     random_start("engine kernels");
     for (int d = 1; d <= 3; d++) {
-        struct cloud *cloud = cloud_make(d, quick() ? 40 : 130);
+        struct cloud *cloud = cloud_make(d, quick() ? 20 : 70);
         for (size_t k = 0; k < catalogue.count; k++) {
             const sphv_profile *profile = sphv_kernel_profile(catalogue.kernels[k], d);
             if (!profile) continue;
@@ -183,6 +183,188 @@ static void test_kernels(void **state)
     }
 }
 
+static const sphv_profile *profile_of(const char *name, int dimension)
+{
+    for (size_t k = 0; k < catalogue.count; k++)
+        if (strcmp(sphv_kernel_name(catalogue.kernels[k]), name) == 0)
+            return sphv_kernel_profile(catalogue.kernels[k], dimension);
+    fail_msg("no kernel %s", name);
+    return NULL;
+}
+
+/// Layouts that cells do not like.
+enum awkward {
+    LATTICE,    ///< distances that are equal, and pairs on the edge of the support
+    CLUSTERED,  ///< nearly all in one cell
+    COINCIDENT, ///< each place taken by several
+    COLLINEAR,  ///< no volume
+    FAR_APART,  ///< more than a support
+    HUGE_SCALE, ///< lengths of 1e30
+    TINY_SCALE, ///< lengths of 1e-30
+    DISTANT,    ///< far from the origin
+    NEGATIVE,   ///< volumes of either sign
+    AWKWARD
+};
+
+static double arrange(struct cloud *cloud, enum awkward kind)
+{
+    size_t side =
+        (size_t)ceil(pow((double)cloud->particles.count, 1.0 / cloud->particles.dimension));
+    double scale = kind == HUGE_SCALE ? 1e30 : kind == TINY_SCALE ? 1e-30 : 1;
+    for (size_t b = 0; b < cloud->particles.count; b++) {
+        size_t cell = b;
+        for (int i = 0; i < cloud->particles.dimension; i++, cell /= side) {
+            double *x = &cloud->x[i][b];
+            if (kind == LATTICE) *x = (double)(cell % side) * 0.0625;
+            if (kind == CLUSTERED && b > 2) *x = 0.5 + 1e-3 * *x;
+            if (kind == COINCIDENT) *x = cloud->x[i][b / 3 * 3];
+            if (kind == COLLINEAR) *x = i ? 0.25 * (double)i : *x;
+            if (kind == DISTANT) *x += 1e6;
+            *x *= scale;
+        }
+        if (kind == NEGATIVE && b % 2) cloud->volume[b] *= -1;
+    }
+    double reach[AWKWARD] = {0.25, 1e-3, 0.3, 0.3, 1e-6, 0.3, 0.3, 0.3, 0.3};
+    return reach[kind] * scale;
+}
+
+static void test_awkward(void **state)
+{
+    (void)state;
+    random_start("engine awkward");
+    static const char *const names[] = {"sigalotti-wendland-c4", "cubic-spline", "quintic-spline",
+                                        "gaussian"};
+    for (int d = 1; d <= 3; d++)
+        for (int kind = 0; kind < AWKWARD; kind++) {
+            struct cloud *cloud = cloud_make(d, quick() ? 30 : 100);
+            double reach = arrange(cloud, (enum awkward)kind);
+            for (int k = 0; k < 4; k++) {
+                const sphv_profile *profile = profile_of(names[k], d);
+                for (int level = 0; level < SPHV_SUM_LEVELS; level += 3)
+                    compare(cloud, profile, reach / profile->support, (sphv_sum_level)level, 2,
+                            NULL, names[k]);
+            }
+            free(cloud);
+        }
+}
+
+static void test_few(void **state)
+{
+    (void)state;
+    random_start("engine few");
+    for (int d = 1; d <= 3; d++)
+        for (size_t count = 0; count < 12; count++) {
+            struct cloud *cloud = cloud_make(d, count);
+            compare(cloud, profile_of("wendland-c2", d), random_log(0.01, 10), SPHV_SUMS_FIRST, 1,
+                    NULL, "few");
+            free(cloud);
+        }
+}
+
+static void test_periodic(void **state)
+{
+    (void)state;
+    random_start("engine periodic");
+    for (int d = 1; d <= 3; d++)
+        for (int i = 0; i < 4; i++) {
+            struct cloud *cloud = cloud_make(d, quick() ? 40 : 150);
+            cloud->particles.periodic = true;
+            for (size_t b = 0; i == 0 && b < cloud->particles.count; b++)
+                for (int j = 0; j < d; j++) cloud->x[j][b] = floor(16 * cloud->x[j][b]) / 16;
+            if (i == 1) cloud->x[0][0] = 0;
+            compare(cloud, profile_of("sigalotti-wendland-c4", d), random_uniform(0.05, 0.499),
+                    SPHV_SUMS_FIRST, 2, NULL, "periodic");
+            free(cloud);
+        }
+}
+
+/// More particles than a few blocks, and ranges longer than what is copied or summed in one go.
+static void test_large(void **state)
+{
+    (void)state;
+    random_start("engine large");
+    for (int d = 1; d <= 3; d++) {
+        struct cloud *cloud = cloud_make(d, quick() ? 300 : 3000);
+        for (int i = 0; i < 2; i++)
+            compare(cloud, profile_of("sigalotti-wendland-c4", d), i ? 2 : 0.2, SPHV_SUMS_STANDARD,
+                    1, NULL, "large");
+        free(cloud);
+    }
+}
+
+#ifdef _OPENMP
+/// The same bits for one thread and several.
+static void test_threads(void **state)
+{
+    (void)state;
+    random_start("engine threads");
+    int before = omp_get_max_threads();
+    struct cloud *cloud = cloud_make(2, quick() ? 600 : COUNT_MAX);
+    struct sums *sums[2];
+    for (int i = 0; i < 2; i++) {
+        omp_set_num_threads(i ? 3 : 1);
+        sums[i] = sum(cloud, profile_of("sigalotti-wendland-c4", 2), 0.11, SPHV_SUMS_FIRST, 2,
+                      SPHV_ROUTE_DIRECT, NULL);
+    }
+    omp_set_num_threads(before);
+    size_t size = cloud->particles.count * (size_t)sums[0]->layout.count * sizeof(double);
+    assert_memory_equal(sums[0]->sum, sums[1]->sum, size);
+    assert_memory_equal(sums[0]->rounding, sums[1]->rounding, sizeof sums[0]->rounding);
+    assert_true(sums[0]->tested == sums[1]->tested && sums[0]->pairs == sums[1]->pairs);
+    for (int i = 0; i < 2; i++) sums_free(sums[i]);
+    free(cloud);
+}
+#endif
+
+static sphv_status estimate(const struct cloud *cloud, double h, sphv_error *error)
+{
+    static const sphv_method methods[] = {SPHV_SPH, SPHV_FPM};
+    sphv_request request = {.profile = profile_of("wendland-c4", cloud->particles.dimension),
+                            .h = h,
+                            .method_count = 2,
+                            .methods = methods,
+                            .field_count = 2,
+                            .fields = cloud->fields,
+                            .route = SPHV_ROUTE_DIRECT};
+    sphv_estimates out;
+    sphv_status status =
+        sphv_estimate_particles(&cloud->particles, &request, NULL, NULL, &out, error);
+    if (status == SPHV_OK) sphv_estimates_free(&out);
+    return status;
+}
+
+static void test_refusals(void **state)
+{
+    (void)state;
+    random_start("engine refusals");
+    struct cloud *cloud = cloud_make(2, 50);
+    sphv_error error;
+    assert_ok(estimate(cloud, 0.1, &error), error);
+    static const double bad[] = {NAN, INFINITY, -INFINITY};
+    for (int i = 0; i < 3; i++) {
+        double *places[] = {&cloud->x[1][7], &cloud->volume[7], &cloud->field[1][7]};
+        static const char *const what[] = {"coordinate", "volume", "field"};
+        for (int k = 0; k < 3; k++) {
+            double sound = *places[k];
+            *places[k] = bad[i];
+            assert_failed(estimate(cloud, 0.1, &error), &error, SPHV_INVALID_INPUT, what[k]);
+            *places[k] = sound;
+        }
+        assert_failed(estimate(cloud, bad[i], &error), &error, SPHV_INVALID_INPUT, "smoothing");
+    }
+    static const double lengths[] = {0, -1, 1e-200, 1e200};
+    for (int i = 0; i < 4; i++)
+        assert_failed(estimate(cloud, lengths[i], &error), &error, SPHV_INVALID_INPUT, "smoothing");
+    cloud->particles.periodic = true;
+    assert_failed(estimate(cloud, 0.3, &error), &error, SPHV_INVALID_INPUT, "periodic");
+    cloud->x[1][3] = -0.25;
+    assert_failed(estimate(cloud, 0.1, &error), &error, SPHV_INVALID_INPUT, "outside");
+    cloud->particles.periodic = false;
+    cloud->x[0][3] = 1e18;
+    assert_failed(estimate(cloud, 0.1, &error), &error, SPHV_INVALID_INPUT, "spread");
+    free(cloud);
+}
+
 int main(void)
 {
     sphv_error error;
@@ -192,7 +374,12 @@ int main(void)
         return 1;
     }
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_kernels),
+        cmocka_unit_test(test_kernels), cmocka_unit_test(test_awkward),
+        cmocka_unit_test(test_few),     cmocka_unit_test(test_periodic),
+        cmocka_unit_test(test_large),   cmocka_unit_test(test_refusals),
+#ifdef _OPENMP
+        cmocka_unit_test(test_threads),
+#endif
     };
     int failed = cmocka_run_group_tests_name("engine", tests, NULL, NULL);
     sphv_catalogue_free(&catalogue);
