@@ -79,10 +79,10 @@ SPHV_INLINE void sphv_dense_invert(const int n, const sphv_bounded *a, sphv_lane
     }
 }
 
-/// Raises a norm to the sum of one more column; a NaN on either side stays.
+/// Raises a norm to the sum of one more column; what is not finite stays.
 SPHV_INLINE sphv_lanes sphv_dense_raise(sphv_lanes norm, sphv_lanes column)
 {
-    return sphv_lanes_choose((norm >= column) | (norm != norm), norm, column);
+    return sphv_lanes_choose((norm >= column) | ~sphv_lanes_finite(norm), norm, column);
 }
 
 /// ‖A‖₁‖X‖₁.

@@ -40,6 +40,11 @@ SPHV_INLINE sphv_lanes sphv_lanes_choose(sphv_lane_mask mask, sphv_lanes yes, sp
     return (sphv_lanes)((mask & (sphv_lane_mask)yes) | (~mask & (sphv_lane_mask)no));
 }
 
+SPHV_INLINE sphv_lane_mask sphv_lanes_finite(sphv_lanes a)
+{
+    return sphv_lanes_abs(a) <= DBL_MAX;
+}
+
 SPHV_INLINE sphv_lanes sphv_lanes_max(sphv_lanes a, sphv_lanes b)
 {
     return sphv_lanes_choose(a > b, a, b);

@@ -47,7 +47,7 @@ SPHV_CLONES void sphv_pack_store(sphv_pack *pack, size_t field, const sphv_bound
         sphv_lanes value = found[i].value * scale;
         sphv_lanes bound =
             (found[i].error * scale + 4 * SPHV_U * sphv_lanes_abs(value)) * SPHV_BOUND_SLACK;
-        sphv_lane_mask finite = value - value == 0.0;
+        sphv_lane_mask finite = sphv_lanes_finite(value);
         for (size_t l = 0; l < pack->have; l++) {
             estimate[i][particle[l]] = pack->kept[l] & finite[l] ? value[l] : 0;
             if (pack->kept[l] & ~finite[l]) pack->fault[l] = SPHV_FAULT_NOT_FINITE;

@@ -21,11 +21,11 @@ typedef struct sphv_solve_task {
 
 /// Eight particles of a block.
 typedef struct sphv_pack {
-    const sphv_solve_task *task;
-    const sphv_sum_block *block;
-    size_t at, have;    ///< first of the pack, and how many
     sphv_lanes size[3]; ///< rounding Σ v|p_k| q^m
     sphv_lane_mask kept, sound;
+    const sphv_solve_task *task;
+    const sphv_sum_block *block;
+    size_t at, have; ///< first of the pack, and how many
     unsigned char fault[SPHV_LANES];
 } sphv_pack;
 
@@ -128,7 +128,7 @@ SPHV_INLINE sphv_pack sphv_pack_make(const sphv_solve_task *task, size_t at)
     sphv_pack pack = {.task = task, .block = block, .at = at, .have = have};
     sphv_lanes rounding = sphv_lanes_load(block->rounding + at);
     for (int k = 0; k < 3; k++) {
-        size_t index = (size_t)(block->layout->size_at + k);
+        size_t index = (size_t)block->layout->size_at + (size_t)k;
         pack.size[k] = rounding * sphv_lanes_load(block->sums + index * block->stride + at);
     }
     return pack;
@@ -162,11 +162,11 @@ SPHV_INLINE sphv_lanes sphv_pack_doubt(sphv_bounded sum)
 #define SPHV_EACH_PACK(task, in_one, in_two, in_three)                                             \
     for (size_t at = 0; at < (task)->block->count; at += SPHV_LANES) {                             \
         if ((task)->block->layout->dimension == 1)                                                 \
-            in_one;                                                                                \
+            (in_one);                                                                              \
         else if ((task)->block->layout->dimension == 2)                                            \
-            in_two;                                                                                \
+            (in_two);                                                                              \
         else                                                                                       \
-            in_three;                                                                              \
+            (in_three);                                                                            \
     }
 
 /// One row of the table of methods each.
