@@ -112,6 +112,8 @@ SPHV_INLINE double sphv_dense_gamma(int n)
 /// Fills in `inverse`, `condition` and `defect`.
 SPHV_INLINE void sphv_dense_factor_inline(const int n, sphv_dense *of)
 {
+    // what is written here first
+    // cppcheck-suppress ctuuninitvar
     sphv_lanes *x = of->inverse, row[SPHV_UNKNOWNS_MAX], defect = {0};
     sphv_dense_invert(n, of->a, x);
     of->condition = sphv_dense_condition(n, of->a, x);

@@ -76,7 +76,7 @@ sphv_estimate sphv_estimate_gradient(sphv_method method, const sphv_profile *pro
                                      const double *const *field)
 {
     double sums[SUMS_MAX * LANES] = {0}, spread[SPHV_FIELDS_TOGETHER] = {0}, rounding[LANES];
-    double values[SPHV_FIELDS_TOGETHER * LANES] = {0}, found[SPHV_FIELDS_TOGETHER * 3];
+    double values[SPHV_FIELDS_TOGETHER * LANES] = {0}, found[SPHV_FIELDS_TOGETHER * 3] = {0};
     double *arrays[SPHV_FIELDS_TOGETHER * 3], bounds[SPHV_FIELDS_TOGETHER * 3] = {0};
     unsigned neighbours = (unsigned)around->count;
     unsigned char fault = SPHV_FAULT_NONE;

@@ -56,7 +56,7 @@ SPHV_INLINE sphv_bounded tested_moment(const sphv_pack *pack, const int d, sphv_
     int degree = test.x + test.y + test.z;
     sphv_bounded sum = sphv_moment(pack, d, degree, sphv_times(test, a));
     // ∂_k∂_kW = p_1 + p_2 s_k²
-    if (degree == 2 && (test.x == 2 || test.y == 2 || test.z == 2))
+    if (degree == 2 && (test.x | test.y | test.z) == 2)
         sum = sphv_bounded_add(sum, sphv_moment(pack, d, 1, a));
     return sum;
 }
@@ -66,7 +66,7 @@ SPHV_INLINE sphv_bounded tested_field(const sphv_pack *pack, const int d, size_t
 {
     int degree = test.x + test.y + test.z;
     sphv_bounded sum = sphv_field_sum(pack, d, field, degree, test);
-    if (degree == 2 && (test.x == 2 || test.y == 2 || test.z == 2))
+    if (degree == 2 && (test.x | test.y | test.z) == 2)
         sum = sphv_bounded_add(sum, sphv_field_sum(pack, d, field, 1, one));
     return sum;
 }
@@ -80,7 +80,7 @@ SPHV_INLINE void taylor(const sphv_solve_task *task, const int d, size_t at, con
     for (int i = 0; i < n; i++) {
         for (int j = 0; j < n; j++) {
             sphv_exponents b = sphv_low_monomial(d, j);
-            double over_factorial = b.x == 2 || b.y == 2 || b.z == 2 ? 0.5 : 1;
+            double over_factorial = (b.x | b.y | b.z) == 2 ? 0.5 : 1;
             matrix.a[i * n + j] = sphv_bounded_scale(
                 tested_moment(&pack, d, sphv_low_monomial(d, i), b), over_factorial);
         }
