@@ -85,7 +85,7 @@ sphv_status sphv_evaluate_brute_force(const sphv_evaluation *evaluation, sphv_er
     // The result of a compensated sum is rounded once more.
     double rounding = sphv_summand_rounding(&evaluation->layout) + 2 * SPHV_U;
     sphv_status status = SPHV_OK;
-#pragma omp parallel
+#pragma omp parallel if (blocks > 1)
     {
         sphv_worker worker;
         struct accumulators at = {malloc(sums * sizeof *at.sum), 0};

@@ -276,7 +276,7 @@ sphv_status sphv_evaluate_direct(const sphv_evaluation *evaluation, sphv_error *
     sphv_status status = direct_make(&direct, evaluation, error);
     if (status != SPHV_OK) return status;
     size_t blocks = (direct.groups + GROUPS - 1) / GROUPS, done = 0;
-#pragma omp parallel
+#pragma omp parallel if (blocks > 1)
     {
         struct bench bench;
         bool ready = bench_make(&bench, &direct);
