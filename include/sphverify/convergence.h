@@ -173,12 +173,22 @@ typedef struct sphv_rate_plot {
     double trends[SPHV_TRENDS_MAX]; ///< exponents of power laws drawn beside it
 } sphv_rate_plot;
 
+/// A target whose error is one of the consistency measures of an interior particle, by standard SPH
+/// in either form: of the field 1 the value (normalisation) and the gradient (flatness), of the
+/// field x the gradient's components (rotation, shear).
+typedef struct sphv_measured_consistency {
+    size_t target;
+    sphv_consistency_measure measure;
+} sphv_measured_consistency;
+
 /// A scene file of kind `convergence`, loaded.
 typedef struct sphv_convergence {
     char *path, *name, *title, *source, *notes;
     int dimension;
     bool over_ratio; ///< levels differ in h/Δx, not in N
     size_t box_count, level_count, field_count, scheme_count, target_count, claim_count, plot_count;
+    size_t measure_count;
+    sphv_measured_consistency *measures;
     sphv_named_box *boxes;
     sphv_level *levels;
     char **field_ids;

@@ -52,6 +52,7 @@ static sphv_status read_convergence(const char *data_directory, const char *path
     if (status == SPHV_OK) status = sphv_rates_read_particles(&of);
     if (status == SPHV_OK) status = sphv_rates_read_schemes(&of);
     if (status == SPHV_OK) status = sphv_rates_read_targets(&of);
+    if (status == SPHV_OK) status = sphv_rates_read_measures(&of);
     if (status == SPHV_OK) status = sphv_rates_read_table(&of);
     if (status == SPHV_OK) status = sphv_rates_read_claims(&of);
     if (status == SPHV_OK) status = sphv_rates_read_plots(&of);
@@ -153,6 +154,7 @@ void sphv_convergence_free(sphv_convergence *scene)
         free(scene->schemes[i].factor_text);
         sphv_kernel_free(scene->schemes[i].kernel);
     }
+    free(scene->measures);
     free(scene->boxes);
     free(scene->field_ids);
     free(scene->fields);

@@ -120,6 +120,27 @@ sphv_status sphv_rates_levels(const struct sphv_rates_reader *of, const char *pl
     return SPHV_OK;
 }
 
+sphv_status sphv_rates_read_measures(const struct sphv_rates_reader *of)
+{
+    sphv_convergence *scene = of->scene;
+    scene->measures = calloc(of->file->measures_count + 1, sizeof *scene->measures);
+    if (!scene->measures) return sphv_fail(of->error, SPHV_RESOURCE_FAILURE, "out of memory");
+    sphv_status status = SPHV_OK;
+    for (unsigned i = 0; status == SPHV_OK && i < of->file->measures_count; i++) {
+        const struct sphv_rates_measure *file = &of->file->measures[i];
+        char place[64];
+        int measure = 0;
+        snprintf(place, sizeof place, "consistency.%u", i);
+        status = sphv_rates_find_target(of, place, file->quantity, &scene->measures[i].target);
+        if (status == SPHV_OK)
+            status =
+                sphv_rates_name(of, place, file->measure, sphv_consistency_measures, 0, &measure);
+        scene->measures[i].measure = (sphv_consistency_measure)measure;
+        scene->measure_count = i + 1;
+    }
+    return status;
+}
+
 static bool needs_target(sphv_metric metric)
 {
     return metric <= SPHV_METRIC_STANDARD_DEVIATION;

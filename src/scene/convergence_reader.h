@@ -87,6 +87,10 @@ struct sphv_rates_plot {
     unsigned schemes_count, trends_count;
 };
 
+struct sphv_rates_measure {
+    char *quantity, *measure;
+};
+
 struct sphv_rates_file {
     char *kind, *name, *title, *source, *notes;
     int dimension;
@@ -98,8 +102,9 @@ struct sphv_rates_file {
     struct sphv_rates_listed *listed;
     struct sphv_rates_claim *claims;
     struct sphv_rates_plot *plots;
-    unsigned particles_count, ratios_count, boxes_count, fields_count, schemes_count, claims_count,
-        plots_count;
+    struct sphv_rates_measure *measures;
+    unsigned measures_count, particles_count, ratios_count, boxes_count, fields_count,
+        schemes_count, claims_count, plots_count;
 };
 
 extern const cyaml_schema_value_t sphv_rates_schema;
@@ -150,6 +155,7 @@ sphv_status sphv_rates_add_altered(const struct sphv_rates_reader *of, const cha
                                    size_t *out) SPHV_MUST_CHECK;
 
 /// The parts of a file.
+sphv_status sphv_rates_read_measures(const struct sphv_rates_reader *of) SPHV_MUST_CHECK;
 sphv_status sphv_rates_read_particles(const struct sphv_rates_reader *of) SPHV_MUST_CHECK;
 sphv_status sphv_rates_read_schemes(const struct sphv_rates_reader *of) SPHV_MUST_CHECK;
 sphv_status sphv_rates_read_targets(const struct sphv_rates_reader *of) SPHV_MUST_CHECK;

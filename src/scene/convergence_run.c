@@ -127,9 +127,11 @@ static sphv_status measure_target(const struct pass *pass, const sphv_estimates 
     point->there = true;
     point->whole =
         sphv_error_norms(particles, estimates, method, of->field, of->quantity, exact, 0);
+    // On a lattice κh may be a multiple of Δx: what stands there to rounding is interior on all
+    // sides.
+    double margin = pass->scene->schemes[pass->first].profile->support * stage->h * (1 - 1e-12);
     point->interior =
-        sphv_error_norms(particles, estimates, method, of->field, of->quantity, exact,
-                         pass->scene->schemes[pass->first].profile->support * stage->h);
+        sphv_error_norms(particles, estimates, method, of->field, of->quantity, exact, margin);
     free(changed);
     return SPHV_OK;
 }
@@ -269,74 +271,6 @@ static sphv_status measure(sphv_convergence_result *result, sphv_progress progre
     return status;
 }
 
-/// Puts a prediction beside what was measured.
-static void compare(const sphv_convergence *scene, size_t field,
-                    const sphv_box_prediction *prediction, sphv_stage *stage)
-{
-    for (size_t t = 0; t < scene->target_count; t++) {
-        const sphv_target *target = &scene->targets[t];
-        sphv_rate_point *point = &stage->points[t];
-        if (target->field != field || target->altered || !point->there ||
-            target->quantity >= prediction->quantities || !prediction->exists[target->quantity])
-            continue;
-        point->rigour = prediction->rigour;
-        for (int part = 0; part < 2; part++) {
-            const sphv_norms *norms = part ? &point->interior : &point->whole;
-            sphv_result found = {norms->rmse, norms->bound};
-            point->prediction[part] =
-                part ? prediction->interior[target->quantity] : prediction->rmse[target->quantity];
-            // Theory is about all particles: where some are left out there is nothing to compare.
-            point->predicted[part] = isfinite(point->prediction[part].value) && norms->counted > 0;
-            point->verdict[part] = norms->counted + norms->exact_undefined <
-                                           (part ? point->interior.counted : stage->particles)
-                                       ? SPHV_INCONCLUSIVE
-                                       : sphv_compare(point->prediction[part], found, norms->rmse);
-        }
-    }
-}
-
-static sphv_status predict_stage(sphv_convergence_result *result, size_t level, size_t s,
-                                 sphv_error *error)
-{
-    const sphv_convergence *scene = result->scene;
-    const sphv_scheme *scheme = &scene->schemes[s];
-    sphv_stage *stage = &result->stages[level * scene->scheme_count + s];
-    sphv_box box = sphv_scheme_box(scene, scheme, level);
-    for (size_t f = 0; f < scene->field_count; f++) {
-        sphv_box_prediction prediction;
-        sphv_status status = sphv_predict_box(&box, scheme->profile, stage->h, scheme->method,
-                                              &scene->fields[f], &prediction, error);
-        if (status == SPHV_NO_CLOSED_FORM) continue;
-        if (status != SPHV_OK) return status;
-        compare(scene, f, &prediction, stage);
-    }
-    return SPHV_OK;
-}
-
-static sphv_status predict(sphv_convergence_result *result, sphv_progress progress, void *context,
-                           sphv_error *error)
-{
-    const sphv_convergence *scene = result->scene;
-    long count = (long)(scene->level_count * scene->scheme_count), done = 0;
-    sphv_status first = SPHV_OK;
-#pragma omp parallel for schedule(dynamic, 1)
-    for (long i = count - 1; i >= 0; i--) { // the large ones first
-        size_t level = (size_t)i / scene->scheme_count, s = (size_t)i % scene->scheme_count;
-        sphv_error reason;
-        sphv_status status =
-            scene->schemes[s].has_method ? predict_stage(result, level, s, &reason) : SPHV_OK;
-#pragma omp critical(sphv_convergence_theory)
-        {
-            if (status != SPHV_OK && first == SPHV_OK) {
-                first = status;
-                if (error) *error = reason;
-            }
-            if (progress) progress(context, 0.9 + 0.1 * (double)++done / (double)count);
-        }
-    }
-    return first;
-}
-
 static sphv_status allocate(sphv_convergence_result *result, sphv_error *error)
 {
     const sphv_convergence *scene = result->scene;
@@ -373,7 +307,7 @@ sphv_status sphv_convergence_run(const sphv_convergence *scene, sphv_progress pr
     result->scene = scene;
     sphv_status status = allocate(result, &reason);
     if (status == SPHV_OK) status = measure(result, progress, context, &reason);
-    if (status == SPHV_OK) status = predict(result, progress, context, &reason);
+    if (status == SPHV_OK) status = sphv_convergence_predict(result, progress, context, &reason);
     if (status != SPHV_OK) {
         sphv_convergence_result_free(result);
         return sphv_fail(error, status, "%s: %s", scene->name, reason.message);

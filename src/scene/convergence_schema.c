@@ -135,6 +135,12 @@ static const cyaml_schema_field_t plot_fields[] = {
     TEXTS("trends", OPTIONAL, struct sphv_rates_plot, trends, SPHV_TRENDS_MAX),
     CYAML_FIELD_END};
 
+static const cyaml_schema_field_t measure_fields[] = {
+    TEXT("quantity", CYAML_FLAG_POINTER, struct sphv_rates_measure, quantity, 60),
+    TEXT("measure", CYAML_FLAG_POINTER, struct sphv_rates_measure, measure, 40), CYAML_FIELD_END};
+
+static const cyaml_schema_value_t measure_entry = {
+    CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct sphv_rates_measure, measure_fields)};
 static const cyaml_schema_value_t box_entry = {
     CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct sphv_rates_box, box_fields)};
 static const cyaml_schema_value_t field_entry = {
@@ -161,6 +167,7 @@ static const cyaml_schema_field_t file_fields[] = {
     CYAML_FIELD_MAPPING_PTR("table", OPTIONAL, struct sphv_rates_file, table, table_fields),
     CYAML_FIELD_MAPPING_PTR("printed_levels", OPTIONAL, struct sphv_rates_file, listed,
                             listed_fields),
+    LIST("consistency", OPTIONAL, struct sphv_rates_file, measures, measure_entry, 0, 10),
     LIST("claims", OPTIONAL, struct sphv_rates_file, claims, claim_entry, 0, 100),
     LIST("plots", OPTIONAL, struct sphv_rates_file, plots, plot_entry, 0, 40),
     CYAML_FIELD_END};

@@ -1,0 +1,137 @@
+#include <math.h>
+
+#include "convergence_internal.h"
+
+/// Half of the 99.9 % interval of a root mean square over one realisation. Errors of particles
+/// whose supports do not overlap are independent, so that count/n_nb of them are.
+static double sampling_error(double rmse, size_t count, size_t neighbours)
+{
+    return 3.29 * rmse * sqrt((double)neighbours / (2 * (double)count));
+}
+
+/// A single realisation knows a root mean square no better than this; a larger error than that of
+/// theory must not go unnoticed.
+static const double statistical_width = 0.2;
+
+/// Puts a prediction beside what was measured.
+static void compare(const sphv_convergence *scene, size_t field,
+                    const sphv_box_prediction *prediction, sphv_stage *stage)
+{
+    for (size_t t = 0; t < scene->target_count; t++) {
+        const sphv_target *target = &scene->targets[t];
+        sphv_rate_point *point = &stage->points[t];
+        if (target->field != field || target->altered || !point->there ||
+            target->quantity >= prediction->quantities || !prediction->exists[target->quantity])
+            continue;
+        point->rigour = prediction->rigour;
+        for (int part = 0; part < 2; part++) {
+            const sphv_norms *norms = part ? &point->interior : &point->whole;
+            sphv_result found = {norms->rmse, norms->bound};
+            point->prediction[part] =
+                part ? prediction->interior[target->quantity] : prediction->rmse[target->quantity];
+            // Theory is about all particles: where some are left out there is nothing to compare.
+            point->predicted[part] = isfinite(point->prediction[part].value) && norms->counted > 0;
+            double scale = norms->rmse;
+            if (prediction->rigour == SPHV_RIGOUR_STATISTICAL) {
+                found.bound += sampling_error(norms->rmse, norms->counted, stage->neighbours);
+                scale *= 100 * statistical_width;
+            }
+            point->verdict[part] = norms->counted + norms->exact_undefined <
+                                           (part ? point->interior.counted : stage->particles)
+                                       ? SPHV_INCONCLUSIVE
+                                       : sphv_compare(point->prediction[part], found, scale);
+        }
+    }
+}
+
+/// The root mean square of a consistency measure over interior particles, in the units of its
+/// target: those of a gradient of the constant field are 1/h.
+static sphv_result measure_rms(const sphv_consistency *predicted, sphv_consistency_measure measure,
+                               bool lattice, double h)
+{
+    sphv_result mean = lattice ? predicted->lattice[measure] : predicted->mean[measure];
+    sphv_result deviation = lattice ? (sphv_result){0, 0} : predicted->deviation[measure];
+    sphv_result rms = {hypot(mean.value, deviation.value), mean.bound + deviation.bound};
+    double scale = measure == SPHV_FLATNESS ? 1 / h : 1;
+    return (sphv_result){scale * rms.value, scale * rms.bound};
+}
+
+/// Puts the consistency measures that the scene names beside what was measured in the interior.
+static sphv_status predict_measures(const sphv_convergence *scene, const sphv_scheme *scheme,
+                                    const sphv_box *box, sphv_stage *stage, sphv_error *error)
+{
+    bool lattice = box->layout == SPHV_LATTICE;
+    bool difference = scheme->method == SPHV_SPH_DIFFERENCE;
+    sphv_consistency predicted;
+    if (!scene->measure_count || (!lattice && box->layout != SPHV_PERTURBED) ||
+        (scheme->method != SPHV_SPH && !difference) ||
+        !(stage->spacing < scheme->profile->support * stage->h))
+        return SPHV_OK;
+    sphv_status status = sphv_predict_consistency(scheme->profile, stage->spacing / stage->h,
+                                                  box->jitter, box->amplitude, &predicted, error);
+    if (status != SPHV_OK) return status;
+    for (size_t i = 0; i < scene->measure_count; i++) {
+        sphv_consistency_measure measure = scene->measures[i].measure;
+        sphv_rate_point *point = &stage->points[scene->measures[i].target];
+        bool of_gradient = measure == SPHV_ROTATION || measure == SPHV_SHEAR;
+        sphv_result rms = measure_rms(&predicted, measure, lattice, stage->h);
+        // The difference form alone gives the gradient of x free of where x has its origin, and
+        // the sum form alone that of the constant. What vanishes by symmetry is no number to meet.
+        if (!point->there || !point->interior.counted || !(rms.value > 0) ||
+            (of_gradient && !difference) || (measure == SPHV_FLATNESS && difference))
+            continue;
+        sphv_result found = {point->interior.rmse, point->interior.bound};
+        double scale = found.value;
+        if (!lattice) {
+            found.bound += sampling_error(found.value, point->interior.counted, stage->neighbours);
+            scale *= 100 * statistical_width;
+        }
+        point->predicted[1] = true;
+        point->prediction[1] = rms;
+        point->rigour = lattice ? SPHV_RIGOUR_EXACT : SPHV_RIGOUR_STATISTICAL;
+        point->verdict[1] = sphv_compare(rms, found, scale);
+    }
+    return SPHV_OK;
+}
+
+static sphv_status predict_stage(sphv_convergence_result *result, size_t level, size_t s,
+                                 sphv_error *error)
+{
+    const sphv_convergence *scene = result->scene;
+    const sphv_scheme *scheme = &scene->schemes[s];
+    sphv_stage *stage = &result->stages[level * scene->scheme_count + s];
+    sphv_box box = sphv_scheme_box(scene, scheme, level);
+    for (size_t f = 0; f < scene->field_count; f++) {
+        sphv_box_prediction prediction;
+        sphv_status status = sphv_predict_box(&box, scheme->profile, stage->h, scheme->method,
+                                              &scene->fields[f], &prediction, error);
+        if (status == SPHV_NO_CLOSED_FORM) continue;
+        if (status != SPHV_OK) return status;
+        compare(scene, f, &prediction, stage);
+    }
+    return predict_measures(scene, scheme, &box, stage, error);
+}
+
+sphv_status sphv_convergence_predict(sphv_convergence_result *result, sphv_progress progress,
+                                     void *context, sphv_error *error)
+{
+    const sphv_convergence *scene = result->scene;
+    long count = (long)(scene->level_count * scene->scheme_count), done = 0;
+    sphv_status first = SPHV_OK;
+#pragma omp parallel for schedule(dynamic, 1)
+    for (long i = count - 1; i >= 0; i--) { // the large ones first
+        size_t level = (size_t)i / scene->scheme_count, s = (size_t)i % scene->scheme_count;
+        sphv_error reason;
+        sphv_status status =
+            scene->schemes[s].has_method ? predict_stage(result, level, s, &reason) : SPHV_OK;
+#pragma omp critical(sphv_convergence_theory)
+        {
+            if (status != SPHV_OK && first == SPHV_OK) {
+                first = status;
+                if (error) *error = reason;
+            }
+            if (progress) progress(context, 0.9 + 0.1 * (double)++done / (double)count);
+        }
+    }
+    return first;
+}
