@@ -1,6 +1,6 @@
 /// \file lanes.h
-/// Eight particles side by side, one in each lane of a vector, and numbers that carry a bound of
-/// their rounding error.
+/// Four particles side by side, one in each lane of a vector, and numbers that carry a bound of
+/// their rounding error. (Compilers take comparisons of wider vectors apart, lane by lane.)
 ///
 /// Compilers turn the vectors into whatever registers the processor has; lanes never mix, so a
 /// particle's result does not depend on its neighbours in the pack.
@@ -13,10 +13,10 @@
 #include "clones.h"
 #include "internal.h"
 
-enum { SPHV_LANES = 8 };
+enum { SPHV_LANES = 4 };
 
-typedef double sphv_lanes __attribute__((vector_size(64)));
-typedef long long sphv_lane_mask __attribute__((vector_size(64))); ///< all bits set where true
+typedef double sphv_lanes __attribute__((vector_size(32)));
+typedef long long sphv_lane_mask __attribute__((vector_size(32))); ///< all bits set where true
 
 SPHV_INLINE sphv_lanes sphv_lanes_of(double value)
 {
@@ -90,13 +90,13 @@ SPHV_INLINE sphv_bounded sphv_bounded_multiply(sphv_bounded a, sphv_bounded b)
                                      SPHV_U * sphv_lanes_abs(value)};
 }
 
-/// \return an infinite error where the divisor may be 0
-SPHV_INLINE sphv_bounded sphv_bounded_divide(sphv_bounded a, sphv_bounded b)
+/// 1/b, off by at most e/(|b|(|b| − e)) ≤ (1 + 2t) t/|b| with t = e/|b| ≤ 1/2.
+/// \return an infinite error where t is larger: b may be 0
+SPHV_INLINE sphv_bounded sphv_bounded_reciprocal(sphv_bounded b)
 {
-    sphv_lanes value = a.value / b.value, least = sphv_lanes_abs(b.value) - b.error;
-    sphv_lanes error =
-        (a.error + sphv_lanes_abs(value) * b.error) / least + 2 * SPHV_U * sphv_lanes_abs(value);
-    return (sphv_bounded){value, sphv_lanes_choose(least > 0, error, sphv_lanes_of(INFINITY))};
+    sphv_lanes value = 1.0 / b.value, size = sphv_lanes_abs(value), t = b.error * size;
+    sphv_lanes error = ((1.0 + 2.0 * t) * t + 2 * SPHV_U) * size;
+    return (sphv_bounded){value, sphv_lanes_choose(t <= 0.5, error, sphv_lanes_of(INFINITY))};
 }
 
 /// Times a power of two, or another factor with an exact product.

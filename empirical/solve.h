@@ -1,5 +1,5 @@
 /// \file solve.h
-/// What the methods share: eight particles' sums with their bounds, and what is made of them.
+/// What the methods share: a few particles' sums with their bounds, and what is made of them.
 #ifndef SPHVERIFY_EMPIRICAL_SOLVE_H
 #define SPHVERIFY_EMPIRICAL_SOLVE_H
 
@@ -19,13 +19,14 @@ typedef struct sphv_solve_task {
     double scale[3];                       ///< 1, 1/h, 1/h²
 } sphv_solve_task;
 
-/// Eight particles of a block.
+/// Particles of a block that are solved side by side.
 typedef struct sphv_pack {
     sphv_lanes size[3]; ///< rounding Σ v|p_k| q^m
     sphv_lane_mask kept, sound;
     const sphv_solve_task *task;
     const sphv_sum_block *block;
     size_t at, have; ///< first of the pack, and how many
+    bool all;        ///< full, and each particle sound
     unsigned char fault[SPHV_LANES];
 } sphv_pack;
 
@@ -143,18 +144,11 @@ void sphv_pack_store(sphv_pack *pack, size_t field, const sphv_bounded *found);
 /// Writes the faults, once all fields are stored.
 void sphv_pack_finish(const sphv_pack *pack);
 
-/// Condition of a 1 × 1 matrix that is a sum: a bound of how much of it cancels.
-SPHV_INLINE sphv_lanes sphv_pack_cancellation(const sphv_pack *pack, sphv_bounded sum)
+/// Condition of a 1 × 1 matrix that is a sum, from its defect: a bound of how much of it cancels.
+SPHV_INLINE sphv_lanes sphv_pack_cancellation(const sphv_pack *pack, sphv_lanes defect)
 {
     const double *rounding = pack->block->rounding + pack->at;
-    sphv_lanes moduli = sum.error / sphv_lanes_load(rounding);
-    return sphv_dense_raise(sphv_lanes_of(1), moduli / sphv_lanes_abs(sum.value));
-}
-
-/// Its defect.
-SPHV_INLINE sphv_lanes sphv_pack_doubt(sphv_bounded sum)
-{
-    return sum.error / sphv_lanes_abs(sum.value);
+    return sphv_dense_raise(sphv_lanes_of(1), defect / sphv_lanes_load(rounding));
 }
 
 /// Calls a pack's solver, compiled for each dimension, for all packs of a block: `at` is the first

@@ -32,19 +32,20 @@ SPHV_INLINE void standard(const sphv_solve_task *task, const int d, size_t at,
 SPHV_INLINE void shepard(const sphv_solve_task *task, const int d, size_t at)
 {
     sphv_pack pack = sphv_pack_make(task, at);
-    sphv_bounded sum = sphv_moment(&pack, d, 0, one);
-    sphv_lanes condition = sphv_pack_cancellation(&pack, sum), defect = sphv_pack_doubt(sum);
+    sphv_bounded sum = sphv_moment(&pack, d, 0, one), over = sphv_bounded_reciprocal(sum);
+    sphv_lanes defect = sum.error * sphv_lanes_abs(over.value);
+    sphv_lanes condition = sphv_pack_cancellation(&pack, defect);
     sphv_pack_judge(&pack, &condition, &defect);
     for (size_t f = 0; f < task->request->field_count; f++) {
         sphv_bounded found[SPHV_QUANTITIES_MAX];
-        sphv_bounded excess = sphv_bounded_divide(sphv_field_sum(&pack, d, f, 0, one), sum);
+        sphv_bounded excess = sphv_bounded_multiply(sphv_field_sum(&pack, d, f, 0, one), over);
         found[0] = sphv_bounded_add(sphv_own_value(&pack, f), excess);
         SPHV_UNROLL
         for (int i = 0; i < d; i++) {
             sphv_exponents s_i = sphv_coordinate(i);
             sphv_bounded moved = sphv_bounded_multiply(excess, sphv_moment(&pack, d, 1, s_i));
-            found[1 + i] = sphv_bounded_divide(
-                sphv_bounded_subtract(moved, sphv_field_sum(&pack, d, f, 1, s_i)), sum);
+            found[1 + i] = sphv_bounded_multiply(
+                sphv_bounded_subtract(moved, sphv_field_sum(&pack, d, f, 1, s_i)), over);
         }
         sphv_pack_store(&pack, f, found);
     }

@@ -11,12 +11,13 @@ static const sphv_exponents one = {0, 0, 0};
 SPHV_INLINE void corrected(const sphv_solve_task *task, const int d, size_t at, const bool mixed)
 {
     sphv_pack pack = sphv_pack_make(task, at);
-    sphv_bounded sum = sphv_moment(&pack, d, 0, one), slope[SPHV_DIMENSIONS];
+    sphv_bounded sum = sphv_moment(&pack, d, 0, one), over = sphv_bounded_reciprocal(sum);
+    sphv_bounded slope[SPHV_DIMENSIONS];
     sphv_dense matrix;
     SPHV_UNROLL
     for (int i = 0; i < d; i++) {
         sphv_exponents s_i = sphv_coordinate(i);
-        if (mixed) slope[i] = sphv_bounded_divide(sphv_moment(&pack, d, 1, s_i), sum);
+        if (mixed) slope[i] = sphv_bounded_multiply(sphv_moment(&pack, d, 1, s_i), over);
         SPHV_UNROLL
         for (int j = 0; j < d; j++) {
             sphv_exponents s_j = sphv_coordinate(j);
@@ -28,9 +29,10 @@ SPHV_INLINE void corrected(const sphv_solve_task *task, const int d, size_t at, 
         }
     }
     sphv_dense_factor(d, &matrix);
-    sphv_lanes condition = matrix.condition, defect = sphv_pack_doubt(sum);
-    if (d == 1) condition = sphv_pack_cancellation(&pack, matrix.a[0]);
-    condition = sphv_dense_raise(condition, sphv_pack_cancellation(&pack, sum));
+    sphv_lanes defect = sum.error * sphv_lanes_abs(over.value);
+    sphv_lanes cancellation = sphv_pack_cancellation(&pack, defect);
+    sphv_lanes condition = d == 1 ? sphv_pack_cancellation(&pack, matrix.defect) : matrix.condition;
+    condition = sphv_dense_raise(condition, cancellation);
     defect = sphv_dense_raise(defect, matrix.defect);
     sphv_pack_judge(&pack, &condition, &defect);
     for (size_t f = 0; f < task->request->field_count; f++) {
@@ -42,7 +44,7 @@ SPHV_INLINE void corrected(const sphv_solve_task *task, const int d, size_t at, 
             if (mixed)
                 right[i] = sphv_bounded_subtract(right[i], sphv_bounded_multiply(slope[i], excess));
         }
-        found[0] = sphv_bounded_add(sphv_own_value(&pack, f), sphv_bounded_divide(excess, sum));
+        found[0] = sphv_bounded_add(sphv_own_value(&pack, f), sphv_bounded_multiply(excess, over));
         sphv_dense_solve(d, &matrix, right, found + 1);
         sphv_pack_store(&pack, f, found);
     }

@@ -82,7 +82,7 @@ static inline int sphv_field_sum_index(const sphv_sum_layout *layout, int f, int
            layout->first_field_monomial[k];
 }
 
-/// Sums of a block of particles. Eight of them are solved at a time, so `stride` is a multiple of
+/// Sums of a block of particles. Up to eight are solved at a time, so `stride` is a multiple of
 /// 8, and sums, rounding and values can be read to the end of the last eight.
 typedef struct sphv_sum_block {
     const sphv_sum_layout *layout;
