@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "../internal.h"
+#include "memory.h"
 
 /// Targets in a group should be close together: a row is as thick as the square or cube that holds
 /// SPHV_LANES_MAX particles, and cells are as long as one particle needs.
@@ -45,13 +46,21 @@ struct source {
     bool copy;
 };
 
+#define SPHV_EACH static inline __attribute__((always_inline))
+
 /// Calls for every source in the order of the particles.
-static void each_source(const sphv_cell_grid *grid, const sphv_particles *particles, double radius,
-                        void (*call)(sphv_cell_grid *, const struct source *, void *),
-                        sphv_cell_grid *into, void *context)
+SPHV_EACH void each_source(const sphv_cell_grid *grid, const sphv_particles *particles,
+                           double radius,
+                           void (*call)(sphv_cell_grid *, const struct source *, void *),
+                           sphv_cell_grid *into, void *context)
 {
     int d = particles->dimension;
-    for (size_t b = 0; b < particles->count; b++) {
+    for (size_t b = 0; b < particles->count && !particles->periodic; b++) {
+        struct source source = {{0, 0, 0}, b, false};
+        for (int i = 0; i < d; i++) source.x[i] = particles->x[i][b] * grid->unit;
+        call(into, &source, context);
+    }
+    for (size_t b = 0; b < particles->count && particles->periodic; b++) {
         double copy[SPHV_DIMENSIONS][2] = {{0}};
         int copies[SPHV_DIMENSIONS] = {1, 1, 1};
         for (int i = 0; i < d; i++)
@@ -153,15 +162,14 @@ static void choose_cells(sphv_cell_grid *grid, const struct extent *extent)
 
 static bool allocate_cells(sphv_cell_grid *grid, size_t rows)
 {
-    size_t n = grid->count ? grid->count : 1;
     bool enough = true;
     for (int i = 0; i < grid->dimension; i++)
-        enough = (grid->x[i] = malloc(n * sizeof(double))) && enough;
-    grid->volume = malloc(n * sizeof(double));
-    grid->particle = malloc(n * sizeof(uint32_t));
-    grid->target = malloc((grid->targets + 1) * sizeof(uint32_t));
-    grid->start = calloc(rows * grid->cells[0] + 2, sizeof(uint32_t));
-    grid->row = calloc(rows + 1, sizeof(sphv_row));
+        enough = (grid->x[i] = sphv_array(grid->count, sizeof(double))) && enough;
+    grid->volume = sphv_array(grid->count, sizeof(double));
+    grid->particle = sphv_array(grid->count, sizeof(uint32_t));
+    grid->target = sphv_array(grid->targets, sizeof(uint32_t));
+    grid->start = sphv_array(rows * grid->cells[0] + 2, sizeof(uint32_t));
+    grid->row = sphv_array(rows + 1, sizeof(sphv_row));
     return enough && grid->volume && grid->particle && grid->target && grid->start && grid->row;
 }
 
@@ -180,8 +188,9 @@ static void survey_rows(sphv_cell_grid *grid, size_t rows)
         size_t end = grid->start[(r + 1) * grid->cells[0]];
         for (size_t b = grid->start[r * grid->cells[0]]; b < end; b++) {
             for (int i = 1; i < grid->dimension; i++) {
-                row->low[i] = fmin(row->low[i], grid->x[i][b]);
-                row->high[i] = fmax(row->high[i], grid->x[i][b]);
+                double x = grid->x[i][b];
+                if (x < row->low[i]) row->low[i] = x;
+                if (x > row->high[i]) row->high[i] = x;
             }
             if (!(grid->particle[b] & 0x80000000u)) grid->target[targets++] = (uint32_t)b;
             grid->particle[b] &= 0x7fffffffu;

@@ -9,6 +9,7 @@
 #include "../internal.h"
 #include "cells.h"
 #include "evaluation.h"
+#include "memory.h"
 
 enum {
     GROUPS = SPHV_BLOCK / SPHV_LANES_MAX, ///< groups of a block
@@ -73,13 +74,13 @@ static bool make_sources(struct direct *direct)
     size_t n = grid->count ? grid->count : 1;
     double unit = 1;
     for (int i = 0; i < grid->dimension; i++) unit *= request->h;
-    direct->v = malloc(n * sizeof *direct->v);
+    direct->v = sphv_array(n, sizeof *direct->v);
     // A pass has at least one field; without any it gets one that is nowhere different.
     size_t fields = fields_of(direct) ? fields_of(direct) : 1;
     direct->field = calloc(fields, sizeof *direct->field);
     bool enough = direct->v && direct->field;
     for (size_t f = 0; enough && f < fields; f++)
-        enough = (direct->field[f] = calloc(n, sizeof(double))) != NULL;
+        enough = (direct->field[f] = sphv_array(n, sizeof(double))) != NULL;
     if (!enough) return false;
     for (size_t b = 0; b < grid->count; b++) {
         direct->v[b] = grid->volume[b] / unit;

@@ -5,6 +5,7 @@
 
 #include "../internal.h"
 #include "evaluation.h"
+#include "memory.h"
 
 static double now(void)
 {
@@ -72,24 +73,19 @@ static sphv_status check(const sphv_particles *particles, const sphv_request *re
     return status;
 }
 
-static void *allocate(size_t count, size_t size)
-{
-    return calloc(count ? count : 1, size);
-}
-
 static bool make_method(sphv_method_estimates *out, sphv_method method, int dimension,
                         size_t fields, size_t count)
 {
     out->method = method;
     out->quantities = sphv_method_quantities(method, dimension);
     size_t arrays = fields * out->quantities;
-    out->condition = allocate(count, sizeof *out->condition);
-    out->fault = allocate(count, sizeof *out->fault);
-    out->rounding = allocate(arrays, sizeof *out->rounding);
-    out->estimate = allocate(arrays, sizeof *out->estimate);
+    out->condition = sphv_array(count, sizeof *out->condition);
+    out->fault = sphv_array(count, sizeof *out->fault);
+    out->rounding = sphv_array(arrays, sizeof *out->rounding);
+    out->estimate = sphv_array(arrays, sizeof *out->estimate);
     bool enough = out->condition && out->fault && out->rounding && out->estimate;
     for (size_t a = 0; enough && a < arrays; a++)
-        enough = (out->estimate[a] = allocate(count, sizeof **out->estimate)) != NULL;
+        enough = (out->estimate[a] = sphv_array(count, sizeof **out->estimate)) != NULL;
     return enough;
 }
 
@@ -97,8 +93,8 @@ static bool make_estimates(sphv_estimates *out, const sphv_request *request, int
                            size_t count)
 {
     *out = (sphv_estimates){.count = count, .field_count = request->field_count};
-    out->neighbours = allocate(count, sizeof *out->neighbours);
-    out->methods = allocate(request->method_count, sizeof *out->methods);
+    out->neighbours = sphv_array(count, sizeof *out->neighbours);
+    out->methods = sphv_array(request->method_count, sizeof *out->methods);
     bool enough = out->neighbours && out->methods;
     for (size_t m = 0; enough && m < request->method_count; m++) {
         out->method_count = m + 1;
@@ -139,12 +135,13 @@ double sphv_summand_rounding(const sphv_sum_layout *layout)
 /// max A − min A of each field; NULL without memory.
 static double *spread_of(const sphv_request *request, size_t count)
 {
-    double *spread = allocate(request->field_count, sizeof *spread);
+    double *spread = sphv_array(request->field_count, sizeof *spread);
     for (size_t f = 0; spread && f < request->field_count; f++) {
         double least = INFINITY, most = -INFINITY;
         for (size_t i = 0; i < count; i++) {
-            least = fmin(least, request->fields[f][i]);
-            most = fmax(most, request->fields[f][i]);
+            double value = request->fields[f][i];
+            if (value < least) least = value;
+            if (value > most) most = value;
         }
         spread[f] = count ? (most - least) * (1 + 2 * SPHV_U) : 0;
     }

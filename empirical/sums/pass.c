@@ -6,6 +6,7 @@
 
 enum {
     PART = 128,       ///< longest run of sources summed plainly; longer ones are summed in parts
+    RING = 16,        ///< places for them
     AHEAD = 8,        ///< sources whose distances are taken before they are used
     DEGREE_TERMS = 21 ///< monomials of degree 5 in three dimensions
 };
@@ -177,7 +178,7 @@ typedef struct plan {
 /// What is known of a source before its turn.
 typedef struct prepared {
     vec r; ///< distance; its square where the profile wants that
-    vec inverse, v;
+    vec inverse, v, d[SPHV_DIMENSIONS];
 } prepared;
 
 /// Distance and masked volume of source b. Roots take long, and the many operations that wait for
@@ -191,6 +192,7 @@ SPHV_INLINE void prepare(const plan of, const sphv_pass *pass, const vec x[3], s
     UNROLL for (int i = 0; i < of.dimension; i++)
     {
         vec d = v_sub(v_set(pass->sources.x[i][b]), x[i]);
+        out->d[i] = d;
         square = i ? v_add(square, v_mul(d, d)) : v_mul(d, d);
     }
     mask near = v_less(square, v_set(pass->radial->limit));
@@ -198,18 +200,17 @@ SPHV_INLINE void prepare(const plan of, const sphv_pass *pass, const vec x[3], s
     out->v = v_where(near, v_set(pass->sources.v[b]));
     if (form == SPHV_RADIAL_PROFILE)
         out->r = square;
-    else if (of.known.knots == 1 && (of.count >= 14 || b % 2))
+    else if (of.known.knots == 1 && (of.count >= 14 ? b % 4 != 0 : b % 2 != 0))
         out->r = v_sqrt(square);
     else
         out->r = v_root(square, &out->inverse);
 }
 
 /// Adds source b to all sums.
-SPHV_INLINE void add_source(const plan of, const sphv_pass *pass, const vec x[3], const vec a[2],
-                            size_t b, const sphv_radial_form form, const prepared *from, vec *sum)
+SPHV_INLINE void add_source(const plan of, const sphv_pass *pass, const vec a[2], size_t b,
+                            const sphv_radial_form form, const prepared *from, vec *sum)
 {
-    vec d[3], da[2], w[3], size[3];
-    UNROLL for (int i = 0; i < of.dimension; i++) d[i] = v_sub(v_set(pass->sources.x[i][b]), x[i]);
+    vec da[2], w[3], size[3];
     UNROLL for (int f = 0; f < of.fields; f++) da[f] =
         v_sub(v_set(pass->sources.field[f][b]), a[f]);
     if (form == SPHV_RADIAL_PROFILE) {
@@ -229,7 +230,7 @@ SPHV_INLINE void add_source(const plan of, const sphv_pass *pass, const vec x[3]
     {
         const addition terms = {of.dimension, of.fields, of.per_field, of.set.moment[k],
                                 of.set.field[k]};
-        add_terms(terms, w[k], d, da, sum + moment_at, sum + field_at);
+        add_terms(terms, w[k], from->d, da, sum + moment_at, sum + field_at);
         moment_at += of_degrees(of.dimension, of.set.moment[k]);
         field_at += of_degrees(of.dimension, of.set.field[k]);
     }
@@ -249,7 +250,7 @@ SPHV_INLINE void run(sphv_pass *pass, size_t range_count, const sphv_range *rang
     }
     of.count = of.moments + 3 + fields * of.per_field;
     const sphv_radial_form form = known.knots > 0 ? known.form : pass->radial->form;
-    prepared ahead[PART];
+    prepared ahead[RING];
     vec x[3], a[2], neighbours = v_set(0);
     UNROLL for (int i = 0; i < dimension; i++) x[i] = v_load(pass->x[i]);
     UNROLL for (int f = 0; f < fields; f++) a[f] = v_load(pass->a[f]);
@@ -260,11 +261,11 @@ SPHV_INLINE void run(sphv_pass *pass, size_t range_count, const sphv_range *rang
             vec sum[SPHV_PASS_SUMS];
             UNROLL for (int k = 0; k < of.count; k++) sum[k] = v_set(0);
             for (; b < to && b < from + AHEAD; b++)
-                prepare(of, pass, x, b, form, &neighbours, &ahead[b - from]);
+                prepare(of, pass, x, b, form, &neighbours, &ahead[b % RING]);
             for (b = from; b < to; b++) {
                 if (b + AHEAD < to)
-                    prepare(of, pass, x, b + AHEAD, form, &neighbours, &ahead[b - from + AHEAD]);
-                add_source(of, pass, x, a, b, form, &ahead[b - from], sum);
+                    prepare(of, pass, x, b + AHEAD, form, &neighbours, &ahead[(b + AHEAD) % RING]);
+                add_source(of, pass, a, b, form, &ahead[b % RING], sum);
             }
             UNROLL for (int k = 0; k < of.count; k++)
             {
