@@ -59,9 +59,10 @@ static void compare(const struct trial *of, const sphv_particles *particles,
         if (inside.counted > 0)
             assert_close(prediction.interior[q].value, inside.rmse,
                          prediction.interior[q].bound + inside.bound);
-        // The agreement must mean something: of errors well above rounding bounds are small.
-        if (name != SPHV_RKPM_2 && name != SPHV_MSPH && all.rmse > 1e-3)
-            assert_true(prediction.rmse[q].bound < 1e-4 * all.rmse);
+        // The agreement must mean something: where no moment matrix can be close to singular,
+        // bounds are far below the errors.
+        if (sphv_methods[name].unknowns[of->box.dimension - 1] <= 1 && all.rmse > 1e-3)
+            assert_true(prediction.rmse[q].bound < 1e-3 * all.rmse);
         free(exact);
     }
 }
