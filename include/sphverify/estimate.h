@@ -92,11 +92,11 @@ typedef struct sphv_norms {
 } sphv_norms;
 
 /// The rule of the norms: a particle is left out when its estimate carries a fault, or when the
-/// exact value is not finite there; both are counted. Where nothing is left, `counted` and all norms
-/// are 0: a caller asks for `counted` first. Exact values are taken as exact.
-/// \param estimates  sums of one evaluation; \param method, field, quantity which of its arrays
-/// \param exact  the exact value at each particle
-/// \param margin only particles at least this far from every side of the box count; 0 for all
+/// exact value is not finite there; both are counted. Where nothing is left, `counted` and all
+/// norms are 0: a caller asks for `counted` first. Exact values are taken as exact. \param
+/// estimates  sums of one evaluation; \param method, field, quantity which of its arrays \param
+/// exact  the exact value at each particle \param margin only particles at least this far from
+/// every side of the box count; 0 for all
 sphv_norms sphv_error_norms(const sphv_particles *particles, const sphv_estimates *estimates,
                             size_t method, size_t field, size_t quantity, const double *exact,
                             double margin);
