@@ -129,7 +129,7 @@ static sphv_status sum_box(sphv_box_theory *of, const sphv_box *box, int order, 
         *exhaustive = *exhaustive && lines[i].exhaustive;
     }
     if (status == SPHV_OK) add_all(of, lines, to);
-    for (int i = 0; i < of->d; i++) {
+    for (int i = 0; i < SPHV_DIMENSIONS; i++) {
         free(factors[i]);
         sphv_lines_free(&lines[i]);
     }
@@ -209,8 +209,8 @@ static void finish(const struct norms *fine, const struct norms *coarse, int par
 static sphv_status predict(sphv_box_theory *of, const sphv_box *box, sphv_box_prediction *out,
                            sphv_error *error)
 {
-    struct norms fine, coarse;
-    bool exhaustive;
+    struct norms fine = {0}, coarse = {0};
+    bool exhaustive = true;
     sphv_status status = sphv_theory_start(of, error);
     if (status == SPHV_OK) status = sum_box(of, box, SPHV_SUM_RULE, &fine, &exhaustive, error);
     if (status == SPHV_OK && exhaustive) coarse = fine;

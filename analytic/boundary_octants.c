@@ -96,16 +96,17 @@ static void fill_signs(sphv_octants *octants)
         }
 }
 
-static void fill_places(sphv_octants *octants)
+static bool fill_places(sphv_octants *octants)
 {
     int d = octants->dimension;
     const sphv_monomial *table = sphv_monomials(d);
     size_t *rest_of = malloc(octants->monomials * sizeof *rest_of);
-    for (size_t m = 0; rest_of && m < octants->monomials; m++) {
+    if (!rest_of) return false;
+    for (size_t m = 0; m < octants->monomials; m++) {
         int power[SPHV_DIMENSIONS] = {table[m].power[1], table[m].power[2], 0};
         rest_of[m] = d > 1 ? sphv_monomial_index(d - 1, power) : 0;
     }
-    for (int node = 0; rest_of && node < octants->nodes; node++) {
+    for (int node = 0; node < octants->nodes; node++) {
         double power[POWERS] = {octants->share[node]};
         size_t line = (size_t)(node / octants->nodes_per_line);
         for (int n = 1; n <= octants->degree; n++) power[n] = power[n - 1] * octants->place[node];
@@ -122,6 +123,7 @@ static void fill_places(sphv_octants *octants)
     for (int k = 0; k < SPHV_RADIALS; k++)
         accumulate(octants->moment[k], octants->places, (size_t)octants->reach + 1, octants->tails,
                    octants->monomials);
+    return true;
 }
 
 /// Σ v|p_k| q^k over the support, to scale rounding errors by.
@@ -183,12 +185,12 @@ sphv_status sphv_octants_make(const sphv_profile *profile, double spacing, int n
     out->place = at;
     out->share = at + out->nodes;
     out->sign = at + 2 * out->nodes;
-    if (!make_nodes(out->reach, nodes_per_line, spacing, out->place, out->share)) {
+    bool done = make_nodes(out->reach, nodes_per_line, spacing, out->place, out->share);
+    if (done) fill_rows(out, profile);
+    if (!done || !fill_places(out)) {
         sphv_octants_free(out);
         return sphv_fail(error, SPHV_RESOURCE_FAILURE, "not enough memory for moments");
     }
-    fill_rows(out, profile);
-    fill_places(out);
     fill_signs(out);
     find_sizes(out, profile);
     return SPHV_OK;

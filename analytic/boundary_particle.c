@@ -114,7 +114,7 @@ static double term_derivative(const sphv_box_theory *of, const sphv_line *const 
 void sphv_series_errors(sphv_box_theory *of, const sphv_line *const *line,
                         sphv_particle_errors *out)
 {
-    double derivative[SERIES], size = 0;
+    double derivative[SERIES] = {0}, size = 0;
     double scale[SPHV_MONOMIAL_DEGREE_MAX + 1] = {1}, reach[SPHV_MONOMIAL_DEGREE_MAX + 1] = {1};
     const sphv_monomial *table = sphv_monomials(of->d);
     size_t count = sphv_monomial_count(of->d, of->degree);

@@ -28,8 +28,8 @@ static size_t product(int dimension, size_t a, size_t b)
 /// Inverts a matrix; returns its 1-norm condition number, ∞ when it is singular.
 static double invert(size_t n, const double matrix[N][N], double inverse[N][N])
 {
-    double lu_data[N * N], inverse_data[N * N], norm = 0, inverse_norm = 0;
-    size_t order[N];
+    double lu_data[N * N] = {0}, inverse_data[N * N] = {0}, norm = 0, inverse_norm = 0;
+    size_t order[N] = {0};
     int sign;
     gsl_matrix_view lu = gsl_matrix_view_array(lu_data, n, n);
     gsl_matrix_view result = gsl_matrix_view_array(inverse_data, n, n);

@@ -68,7 +68,7 @@ static void sum_particle(const sphv_evaluation *evaluation, const sphv_radial *f
         double square = sphv_square(particles->dimension, d);
         if (!(square < functions->limit)) continue;
         for (int i = 0; i < SPHV_DIMENSIONS; i++) s[i] = d[i] / h;
-        struct radial radial;
+        struct radial radial = {{0}, {0}};
         sphv_radial_values(functions, evaluation->layout.level, square, radial.p, radial.size);
         add_pair(evaluation, &radial, particles->volume[b] / unit, s, a, b, into->sum);
         into->neighbours++;

@@ -176,8 +176,9 @@ static void put_head(FILE *stream, const sphv_rendering *rendering)
           stream);
     sphv_html_verdict(stream, sphv_rendering_verdict(rendering));
     fprintf(stream, " over %zu %s and %zu %s, computed in ", report->kernel_count,
-            sphv_plural(report->kernel_count, "kernel", "kernels"), report->scene_count,
-            sphv_plural(report->scene_count, "scene", "scenes"));
+            sphv_plural(report->kernel_count, "kernel", "kernels"),
+            report->scene_count + report->convergence_count,
+            sphv_plural(report->scene_count + report->convergence_count, "scene", "scenes"));
     sphv_html_number(stream, report->seconds, 2);
     fputs(" s. The numbers with 17 digits are in <code>report.json</code> beside this "
           "page.</p></header>\n"

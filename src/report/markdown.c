@@ -293,8 +293,9 @@ void sphv_render_markdown(FILE *stream, const sphv_rendering *rendering)
             "# Truncation error of SPH kernels: theory against measurement\n\n**%s** over %zu %s "
             "and %zu %s.\n\n",
             sphv_verdict_name(sphv_rendering_verdict(rendering)), report->kernel_count,
-            sphv_plural(report->kernel_count, "kernel", "kernels"), report->scene_count,
-            sphv_plural(report->scene_count, "scene", "scenes"));
+            sphv_plural(report->kernel_count, "kernel", "kernels"),
+            report->scene_count + report->convergence_count,
+            sphv_plural(report->scene_count + report->convergence_count, "scene", "scenes"));
     put_verdicts(stream, rendering);
     fputs("\n## How to read it\n", stream);
     for (const char *const *line = sphv_report_preface; *line; line++) {

@@ -56,25 +56,17 @@ static sphv_result measure_rms(const sphv_consistency *predicted, sphv_consisten
     return (sphv_result){scale * rms.value, scale * rms.bound};
 }
 
-/// Puts the consistency measures that the scene names beside what was measured in the interior.
-static sphv_status predict_measures(const sphv_convergence *scene, const sphv_scheme *scheme,
-                                    const sphv_box *box, sphv_stage *stage, sphv_error *error)
+/// Puts the consistency measures that the scene names beside what a scheme found in the interior.
+static void compare_measures(const sphv_convergence *scene, const sphv_scheme *scheme, bool lattice,
+                             const sphv_consistency *predicted, sphv_stage *stage)
 {
-    bool lattice = box->layout == SPHV_LATTICE;
     bool difference = scheme->method == SPHV_SPH_DIFFERENCE;
-    sphv_consistency predicted;
-    if (!scene->measure_count || (!lattice && box->layout != SPHV_PERTURBED) ||
-        (scheme->method != SPHV_SPH && !difference) ||
-        !(stage->spacing < scheme->profile->support * stage->h))
-        return SPHV_OK;
-    sphv_status status = sphv_predict_consistency(scheme->profile, stage->spacing / stage->h,
-                                                  box->jitter, box->amplitude, &predicted, error);
-    if (status != SPHV_OK) return status;
+    if (!scheme->has_method || (scheme->method != SPHV_SPH && !difference)) return;
     for (size_t i = 0; i < scene->measure_count; i++) {
         sphv_consistency_measure measure = scene->measures[i].measure;
         sphv_rate_point *point = &stage->points[scene->measures[i].target];
         bool of_gradient = measure == SPHV_ROTATION || measure == SPHV_SHEAR;
-        sphv_result rms = measure_rms(&predicted, measure, lattice, stage->h);
+        sphv_result rms = measure_rms(predicted, measure, lattice, stage->h);
         // The difference form alone gives the gradient of x free of where x has its origin, and
         // the sum form alone that of the constant. What vanishes by symmetry is no number to meet.
         if (!point->there || !point->interior.counted || !(rms.value > 0) ||
@@ -91,7 +83,28 @@ static sphv_status predict_measures(const sphv_convergence *scene, const sphv_sc
         point->rigour = lattice ? SPHV_RIGOUR_EXACT : SPHV_RIGOUR_STATISTICAL;
         point->verdict[1] = sphv_compare(rms, found, scale);
     }
-    return SPHV_OK;
+}
+
+/// Predicts the consistency measures once for all schemes of a pass.
+static sphv_status predict_measures(sphv_convergence_result *result, size_t level, size_t pass,
+                                    sphv_error *error)
+{
+    const sphv_convergence *scene = result->scene;
+    const sphv_scheme *leader = &scene->schemes[pass];
+    sphv_stage *stages = &result->stages[level * scene->scheme_count];
+    sphv_box box = sphv_scheme_box(scene, leader, level);
+    bool lattice = box.layout == SPHV_LATTICE;
+    double spacing = stages[pass].spacing / stages[pass].h;
+    sphv_consistency predicted;
+    if (!scene->measure_count || leader->pass != pass ||
+        (!lattice && box.layout != SPHV_PERTURBED) || !(spacing < leader->profile->support))
+        return SPHV_OK;
+    sphv_status status = sphv_predict_consistency(leader->profile, spacing, box.jitter,
+                                                  box.amplitude, &predicted, error);
+    for (size_t s = pass; status == SPHV_OK && s < scene->scheme_count; s++)
+        if (scene->schemes[s].pass == pass)
+            compare_measures(scene, &scene->schemes[s], lattice, &predicted, &stages[s]);
+    return status;
 }
 
 static sphv_status predict_stage(sphv_convergence_result *result, size_t level, size_t s,
@@ -109,7 +122,16 @@ static sphv_status predict_stage(sphv_convergence_result *result, size_t level, 
         if (status != SPHV_OK) return status;
         compare(scene, f, &prediction, stage);
     }
-    return predict_measures(scene, scheme, &box, stage, error);
+    return SPHV_OK;
+}
+
+/// Both kinds of theory, one after the other: the second is about the same points.
+static sphv_status predict_one(sphv_convergence_result *result, bool measures, size_t level,
+                               size_t scheme, sphv_error *error)
+{
+    if (measures) return predict_measures(result, level, scheme, error);
+    return result->scene->schemes[scheme].has_method ? predict_stage(result, level, scheme, error)
+                                                     : SPHV_OK;
 }
 
 sphv_status sphv_convergence_predict(sphv_convergence_result *result, sphv_progress progress,
@@ -118,19 +140,20 @@ sphv_status sphv_convergence_predict(sphv_convergence_result *result, sphv_progr
     const sphv_convergence *scene = result->scene;
     long count = (long)(scene->level_count * scene->scheme_count), done = 0;
     sphv_status first = SPHV_OK;
+    for (int measures = 0; measures < 2; measures++) {
 #pragma omp parallel for schedule(dynamic, 1)
-    for (long i = count - 1; i >= 0; i--) { // the large ones first
-        size_t level = (size_t)i / scene->scheme_count, s = (size_t)i % scene->scheme_count;
-        sphv_error reason;
-        sphv_status status =
-            scene->schemes[s].has_method ? predict_stage(result, level, s, &reason) : SPHV_OK;
+        for (long i = count - 1; i >= 0; i--) { // the large ones first
+            sphv_error reason;
+            sphv_status status = predict_one(result, measures, (size_t)i / scene->scheme_count,
+                                             (size_t)i % scene->scheme_count, &reason);
 #pragma omp critical(sphv_convergence_theory)
-        {
-            if (status != SPHV_OK && first == SPHV_OK) {
-                first = status;
-                if (error) *error = reason;
+            {
+                if (status != SPHV_OK && first == SPHV_OK) {
+                    first = status;
+                    if (error) *error = reason;
+                }
+                if (progress) progress(context, 0.9 + 0.05 * (double)++done / (double)count);
             }
-            if (progress) progress(context, 0.9 + 0.1 * (double)++done / (double)count);
         }
     }
     return first;

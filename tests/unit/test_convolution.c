@@ -115,6 +115,13 @@ static void test_transforms(void **state)
         }
 }
 
+/// Relative rounding of long double: some checkers compute it as double.
+static double long_epsilon(void)
+{
+    volatile long double above = 1 + LDBL_EPSILON;
+    return above > 1 ? (double)LDBL_EPSILON : DBL_EPSILON;
+}
+
 struct scene {
     sphv_kernel *kernel;
     sphv_particles particles;
@@ -200,10 +207,9 @@ static void test_cuboids(void **state)
                     if (within) expected += value;
                 }
                 // prefix sums, the loop's own additions in long double, and a rounding of each
-                double allowed =
-                    (sphv_cuboid_error(&table) + (double)table.cells * (double)LDBL_EPSILON) *
-                        (double)whole +
-                    2 * U * fabs((double)expected);
+                double prefix = sphv_cuboid_error(&table) * (long_epsilon() / (double)LDBL_EPSILON);
+                double allowed = (prefix + (double)table.cells * long_epsilon()) * (double)whole +
+                                 2 * U * fabs((double)expected);
                 assert_close(sums[c], (double)expected, allowed);
             }
         }
@@ -311,7 +317,7 @@ static void test_ties(void **state)
     random_start("ties");
     struct difference worst = {0, 0};
     static const size_t sides[] = {23, 8, 5};
-    for (int d = 1; d <= 3; d++)
+    for (int d = 1; d <= (quick() ? 1 : 3); d++)
         for (int times = 1; times <= (quick() ? 1 : 3); times++) {
             struct scene scene;
             double step = 1 / (double)(sides[d - 1] - 1);
@@ -327,7 +333,7 @@ static void test_extremes(void **state)
     (void)state;
     random_start("extremes");
     struct difference worst = {0, 0};
-    for (int d = 1; d <= 3; d++) {
+    for (int d = 1; d <= (quick() ? 1 : 3); d++) {
         struct scene scene;
         make(&scene, "cubic-spline", d, d == 1 ? 20 : 5, d % 2, 0.37);
         for (size_t n = 0; n < scene.particles.count; n++) {
@@ -345,7 +351,7 @@ static void test_refusals(void **state)
 {
     (void)state;
     random_start("refusals of convolutions");
-    for (int l = 0; l < 6; l++) {
+    for (int l = quick() ? 5 : 0; l < 6; l++) {
         struct scene scene;
         const char *part = "an unperturbed lattice";
         // h that the choice gives to the convolution
@@ -395,7 +401,7 @@ static void test_threads(void **state)
     (void)state;
     random_start("threads of convolutions");
     int before = omp_get_max_threads();
-    for (int d = 1; d <= 3; d++) {
+    for (int d = 1; d <= (quick() ? 1 : 3); d++) {
         struct scene scene;
         make(&scene, "wendland-c4", d,
              d == 1   ? 9000
