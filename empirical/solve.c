@@ -99,6 +99,32 @@ void sphv_pack_finish(const sphv_pack *pack)
         pack->task->out->fault[pack->block->particle[pack->at + l]] = pack->fault[l];
 }
 
+static sphv_pack_solver *solver_of(sphv_method method)
+{
+    switch (method) {
+    case SPHV_SPH:
+        break;
+    case SPHV_SPH_DIFFERENCE:
+        return sphv_solve_difference;
+    case SPHV_SHEPARD:
+    case SPHV_RKPM_0:
+        return sphv_solve_shepard;
+    case SPHV_BONET_LOK:
+        return sphv_solve_bonet_lok;
+    case SPHV_CSPM:
+        return sphv_solve_cspm;
+    case SPHV_FPM:
+        return sphv_solve_fpm;
+    case SPHV_MSPH:
+        return sphv_solve_msph;
+    case SPHV_RKPM:
+        return sphv_solve_rkpm_1;
+    case SPHV_RKPM_2:
+        return sphv_solve_rkpm_2;
+    }
+    return sphv_solve_standard;
+}
+
 void sphv_solve_block(const sphv_sum_block *block, const sphv_request *request,
                       const double *values, sphv_method_estimates *out)
 {
@@ -111,34 +137,7 @@ void sphv_solve_block(const sphv_sum_block *block, const sphv_request *request,
     task.reach[0] = 1;
     for (int i = 1; i <= SPHV_SUM_DEGREE_MAX; i++)
         task.reach[i] = task.reach[i - 1] * request->profile->support;
-    switch (out->method) {
-    case SPHV_SPH:
-        sphv_solve_standard(&task);
-        break;
-    case SPHV_SPH_DIFFERENCE:
-        sphv_solve_difference(&task);
-        break;
-    case SPHV_SHEPARD:
-    case SPHV_RKPM_0:
-        sphv_solve_shepard(&task);
-        break;
-    case SPHV_BONET_LOK:
-        sphv_solve_bonet_lok(&task);
-        break;
-    case SPHV_CSPM:
-        sphv_solve_cspm(&task);
-        break;
-    case SPHV_FPM:
-        sphv_solve_fpm(&task);
-        break;
-    case SPHV_MSPH:
-        sphv_solve_msph(&task);
-        break;
-    case SPHV_RKPM:
-        sphv_solve_rkpm_1(&task);
-        break;
-    case SPHV_RKPM_2:
-        sphv_solve_rkpm_2(&task);
-        break;
-    }
+    sphv_pack_solver *solve = solver_of(out->method);
+    for (size_t at = 0; at < block->count; at += SPHV_LANES) solve(&task, at);
+    sphv_leave_wide_registers();
 }

@@ -151,27 +151,27 @@ SPHV_INLINE sphv_lanes sphv_pack_cancellation(const sphv_pack *pack, sphv_lanes 
     return sphv_dense_raise(sphv_lanes_of(1), defect / sphv_lanes_load(rounding));
 }
 
-/// Calls a pack's solver, compiled for each dimension, for all packs of a block: `at` is the first
-/// particle of each.
-#define SPHV_EACH_PACK(task, in_one, in_two, in_three)                                             \
-    for (size_t at = 0; at < (task)->block->count; at += SPHV_LANES) {                             \
-        if ((task)->block->layout->dimension == 1)                                                 \
-            (in_one);                                                                              \
-        else if ((task)->block->layout->dimension == 2)                                            \
-            (in_two);                                                                              \
-        else                                                                                       \
-            (in_three);                                                                            \
-    }
+/// Calls a pack's solver, compiled for each dimension.
+#define SPHV_IN_DIMENSION(task, in_one, in_two, in_three)                                          \
+    if ((task)->block->layout->dimension == 1)                                                     \
+        (in_one);                                                                                  \
+    else if ((task)->block->layout->dimension == 2)                                                \
+        (in_two);                                                                                  \
+    else                                                                                           \
+        (in_three);
+
+/// Solves the pack of the block's particles `at` and after.
+typedef void sphv_pack_solver(const sphv_solve_task *task, size_t at);
 
 /// One row of the table of methods each.
-void sphv_solve_standard(const sphv_solve_task *task);
-void sphv_solve_difference(const sphv_solve_task *task);
-void sphv_solve_shepard(const sphv_solve_task *task);
-void sphv_solve_bonet_lok(const sphv_solve_task *task);
-void sphv_solve_cspm(const sphv_solve_task *task);
-void sphv_solve_fpm(const sphv_solve_task *task);
-void sphv_solve_msph(const sphv_solve_task *task);
-void sphv_solve_rkpm_1(const sphv_solve_task *task);
-void sphv_solve_rkpm_2(const sphv_solve_task *task);
+sphv_pack_solver sphv_solve_standard;
+sphv_pack_solver sphv_solve_difference;
+sphv_pack_solver sphv_solve_shepard;
+sphv_pack_solver sphv_solve_bonet_lok;
+sphv_pack_solver sphv_solve_cspm;
+sphv_pack_solver sphv_solve_fpm;
+sphv_pack_solver sphv_solve_msph;
+sphv_pack_solver sphv_solve_rkpm_1;
+sphv_pack_solver sphv_solve_rkpm_2;
 
 #endif

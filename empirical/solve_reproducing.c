@@ -74,12 +74,12 @@ SPHV_INLINE void reproducing(const sphv_solve_task *task, const int d, size_t at
     sphv_pack_finish(&pack);
 }
 
-SPHV_CLONES void sphv_solve_rkpm_1(const sphv_solve_task *task){
-    SPHV_EACH_PACK(task, reproducing(task, 1, at, 2), reproducing(task, 2, at, 3),
-                   reproducing(task, 3, at, 4))}
+SPHV_CLONES void sphv_solve_rkpm_1(const sphv_solve_task *task, size_t at){
+    SPHV_IN_DIMENSION(task, reproducing(task, 1, at, 2), reproducing(task, 2, at, 3),
+                      reproducing(task, 3, at, 4))}
 
-SPHV_CLONES void sphv_solve_rkpm_2(const sphv_solve_task *task)
+SPHV_CLONES void sphv_solve_rkpm_2(const sphv_solve_task *task, size_t at)
 {
-    SPHV_EACH_PACK(task, reproducing(task, 1, at, 3), reproducing(task, 2, at, 6),
-                   reproducing(task, 3, at, 10))
+    SPHV_IN_DIMENSION(task, reproducing(task, 1, at, 3), reproducing(task, 2, at, 6),
+                      reproducing(task, 3, at, 10))
 }
