@@ -45,7 +45,7 @@ static void add_line(sphv_lines *lines, const sphv_side *side, double index, dou
     line->below = side->periodic ? side->reach : (int)fmin(side->reach, index);
     line->above = side->periodic ? side->reach : (int)fmin(side->reach, last - index);
     line->weight = weight;
-    line->interior = side->periodic || fmin(line->x, 1 - line->x) >= side->margin;
+    line->interior = side->periodic || fmin(line->x, 1 - line->x) >= side->margin * (1 - 1e-12);
     line->singular = line->x <= side->singular_until;
 }
 

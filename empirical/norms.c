@@ -123,7 +123,8 @@ sphv_norms sphv_error_norms(const sphv_particles *particles, const sphv_estimate
 {
     const sphv_method_estimates *from = &estimates->methods[method];
     size_t array = field * from->quantities + quantity;
-    comparison of = {particles, from->estimate[array], exact, from->fault, margin, 1, 0};
+    comparison of = {particles, from->estimate[array], exact, from->fault, margin * (1 - 1e-12), 1,
+                     0};
     partial parts[BLOCKS];
     sphv_norms out = {0};
     run_pass(&of, add_errors, parts);

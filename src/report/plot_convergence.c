@@ -133,7 +133,7 @@ static void write_plot(FILE *script, const sphv_convergence_result *result,
     for (size_t t = 0; trends && t < plot->trend_count; t++)
         fprintf(script,
                 ", $trend%zu with lines linecolor rgb '#707070' dashtype %zu linewidth 1.5 title "
-                "'%s^{%.4g}'",
+                "'%s^%.4g'",
                 t, t + 2, symbols[plot->series.axis], plot->trends[t]);
     if (theory)
         fputs(", keyentry with points linecolor rgb 'black' pointtype 6 pointsize 1.1 title "

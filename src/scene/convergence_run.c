@@ -129,7 +129,7 @@ static sphv_status measure_target(const struct pass *pass, const sphv_estimates 
         sphv_error_norms(particles, estimates, method, of->field, of->quantity, exact, 0);
     // On a lattice κh may be a multiple of Δx: what stands there to rounding is interior on all
     // sides.
-    double margin = pass->scene->schemes[pass->first].profile->support * stage->h * (1 - 1e-12);
+    double margin = pass->scene->schemes[pass->first].profile->support * stage->h;
     point->interior =
         sphv_error_norms(particles, estimates, method, of->field, of->quantity, exact, margin);
     free(changed);
