@@ -124,7 +124,7 @@ static void print_summary(const sphv_arguments *arguments, const sphv_report *re
     json_t *summary =
         json_pack("{s:s, s:I, s:I, s:b, s:o, s:o}", "verdict", sphv_verdict_name(report->verdict),
                   "kernels", (json_int_t)report->kernel_count, "scenes",
-                  (json_int_t)(report->scene_count + report->convergence_count), "plots",
+                  (json_int_t)report->scene_count + (json_int_t)report->convergence_count, "plots",
                   !plots_missing, "seconds", sphv_json_number(report->seconds), "files", files);
     if (arguments->format == SPHV_FORMAT_TEXT) {
         printf("%s: %zu kernels and %zu scenes (%.1f s)\n%s/index.html\n",
