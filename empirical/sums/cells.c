@@ -240,6 +240,29 @@ static double gap(double low, double high, double from, double to)
     return fmax(fmax(low - to, from - high), 0);
 }
 
+/// Where in a row all sources are neighbours of every point of the box. The differences that decide
+/// it are rounded six times at most, and 16 u on either side are more than that.
+static void find_sure(const sphv_cell_grid *grid, const sphv_row *row, const uint32_t *start,
+                      const double low[SPHV_DIMENSIONS], const double high[SPHV_DIMENSIONS],
+                      double limit, double room, sphv_range *range)
+{
+    double square = 0;
+    for (int i = 1; i < grid->dimension; i++) {
+        double apart = fmax(high[i] - row->low[i], row->high[i] - low[i]);
+        square += apart * apart;
+    }
+    square *= 1 + 16 * SPHV_U;
+    range->sure = range->sure_to = range->from;
+    if (!(square < limit)) return;
+    double chord = sqrt(limit - square) * (1 - 16 * SPHV_U);
+    double from = high[0] - chord + room, to = low[0] + chord - room;
+    if (!(from < to)) return;
+    size_t sure = start[cell_of(grid, 0, from) + 1], sure_to = start[cell_of(grid, 0, to)];
+    if (sure >= sure_to) return;
+    range->sure = sure;
+    range->sure_to = sure_to;
+}
+
 size_t sphv_cell_grid_ranges(const sphv_cell_grid *grid, const double low[SPHV_DIMENSIONS],
                              const double high[SPHV_DIMENSIONS], double limit, sphv_range *ranges)
 {
@@ -266,7 +289,9 @@ size_t sphv_cell_grid_ranges(const sphv_cell_grid *grid, const double low[SPHV_D
             const uint32_t *start = grid->start + r * grid->cells[0];
             size_t from = start[cell_of(grid, 0, low[0] - chord - room)];
             size_t to = start[cell_of(grid, 0, high[0] + chord + room) + 1];
-            if (from < to) ranges[count++] = (sphv_range){from, to};
+            if (from >= to) continue;
+            ranges[count] = (sphv_range){.from = from, .to = to};
+            find_sure(grid, row, start, low, high, limit, room, &ranges[count++]);
         }
     }
     return count;

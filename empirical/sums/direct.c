@@ -14,7 +14,6 @@
 enum {
     GROUPS = SPHV_BLOCK / SPHV_LANES_MAX, ///< groups of a block
     GATHERED = 2048,                      ///< candidates that are copied together first
-    PART = 128,                           ///< run of sources that is summed plainly, as in pass.c
 };
 
 /// Targets that are summed side by side.
@@ -245,7 +244,7 @@ static void sum_group(const struct direct *direct, struct bench *bench, const st
         }
         sphv_pass_function *function =
             direct->passes->choose(d, direct->evaluation->layout.level, fields, &direct->radial);
-        sphv_range whole = {0, 0};
+        sphv_range whole = {0};
         pass->sources = sources;
         if (gathers) {
             whole.to = direct->passes->gather(&sources, d, fields, low, high, direct->radial.limit,
@@ -261,8 +260,8 @@ static void sum_group(const struct direct *direct, struct bench *bench, const st
         for (size_t r = 0; r < (gathers ? 1 : ranges); r++) {
             const sphv_range *range = gathers ? &whole : &bench->ranges[r];
             double length = (double)(range->to - range->from);
-            longest = fmax(longest, fmin(length, PART));
-            if (f == 0) parts += ceil(length / PART);
+            longest = fmax(longest, fmin(length, SPHV_PASS_PART));
+            if (f == 0) parts += ceil(length / SPHV_PASS_PART);
         }
     }
     store_bounds(direct, bench, at, group->count, longest, parts);

@@ -5,9 +5,8 @@
 #define UNROLL _Pragma("GCC unroll 64")
 
 enum {
-    PART = 128,       ///< longest run of sources summed plainly; longer ones are summed in parts
-    RING = 16,        ///< places for them
-    AHEAD = 8,        ///< sources whose distances are taken before they are used
+    AHEAD = 4,        ///< sources whose distances are taken before they are used
+    RING = 8,         ///< places for them
     DEGREE_TERMS = 21 ///< monomials of degree 5 in three dimensions
 };
 
@@ -181,12 +180,13 @@ typedef struct prepared {
     vec inverse, v, d[SPHV_DIMENSIONS];
 } prepared;
 
-/// Distance and masked volume of source b. Roots take long, and the many operations that wait for
-/// one would fill the processor's scheduler: they are taken AHEAD sources before they are used.
-/// Without need for 1/r the root comes from the processor's square root, and where that would be
-/// waited for (few sums) in turns from multiplications: both units are busy.
+/// Distance and masked volume of source b; the mask is not needed for sure neighbours. Roots take
+/// long, and the many operations that wait for one would fill the processor's scheduler: they are
+/// taken AHEAD sources before they are used. Without need for 1/r the root comes from the
+/// processor's square root, and where that would be waited for (few sums) in turns from
+/// multiplications: both units are busy.
 SPHV_INLINE void prepare(const plan of, const sphv_pass *pass, const vec x[3], size_t b,
-                         const sphv_radial_form form, vec *neighbours, prepared *out)
+                         const sphv_radial_form form, bool sure, vec *neighbours, prepared *out)
 {
     vec square = v_set(0);
     UNROLL for (int i = 0; i < of.dimension; i++)
@@ -195,9 +195,12 @@ SPHV_INLINE void prepare(const plan of, const sphv_pass *pass, const vec x[3], s
         out->d[i] = d;
         square = i ? v_add(square, v_mul(d, d)) : v_mul(d, d);
     }
-    mask near = v_less(square, v_set(pass->radial->limit));
-    *neighbours = v_count(*neighbours, near);
-    out->v = v_where(near, v_set(pass->sources.v[b]));
+    out->v = v_set(pass->sources.v[b]);
+    if (!sure) {
+        mask near = v_less(square, v_set(pass->radial->limit));
+        *neighbours = v_count(*neighbours, near);
+        out->v = v_where(near, out->v);
+    }
     if (form == SPHV_RADIAL_PROFILE)
         out->r = square;
     else if (of.known.knots == 1 && (of.count >= 14 ? b % 4 != 0 : b % 2 != 0))
@@ -256,15 +259,19 @@ SPHV_INLINE void run(sphv_pass *pass, size_t range_count, const sphv_range *rang
     UNROLL for (int f = 0; f < fields; f++) a[f] = v_load(pass->a[f]);
     for (int k = 0; k < of.count; k++) v_store(pass->sums + k * SPHV_LANES_MAX, v_set(0));
     for (size_t r = 0; r < range_count; r++) {
-        for (size_t from = ranges[r].from; from < ranges[r].to; from += PART) {
-            size_t b = from, to = ranges[r].to - from < PART ? ranges[r].to : from + PART;
+        const size_t sure = ranges[r].sure, sure_count = ranges[r].sure_to - sure;
+        neighbours = v_add(neighbours, v_set((double)sure_count));
+        for (size_t from = ranges[r].from; from < ranges[r].to; from += SPHV_PASS_PART) {
+            size_t b = from, to = from + SPHV_PASS_PART;
+            if (ranges[r].to < to) to = ranges[r].to;
             vec sum[SPHV_PASS_SUMS];
             UNROLL for (int k = 0; k < of.count; k++) sum[k] = v_set(0);
             for (; b < to && b < from + AHEAD; b++)
-                prepare(of, pass, x, b, form, &neighbours, &ahead[b % RING]);
+                prepare(of, pass, x, b, form, b - sure < sure_count, &neighbours, &ahead[b % RING]);
             for (b = from; b < to; b++) {
                 if (b + AHEAD < to)
-                    prepare(of, pass, x, b + AHEAD, form, &neighbours, &ahead[(b + AHEAD) % RING]);
+                    prepare(of, pass, x, b + AHEAD, form, b + AHEAD - sure < sure_count,
+                            &neighbours, &ahead[(b + AHEAD) % RING]);
                 add_source(of, pass, a, b, form, &ahead[b % RING], sum);
             }
             UNROLL for (int k = 0; k < of.count; k++)

@@ -11,6 +11,7 @@
 enum {
     SPHV_LANES_MAX = 8,
     SPHV_PASS_FIELDS = 2, ///< fields in one pass
+    SPHV_PASS_PART = 256, ///< longest run of sources summed plainly; longer ones in parts
     SPHV_PASS_SUMS = 256, ///< of one pass: moments, sizes, field sums
 };
 
@@ -21,8 +22,10 @@ typedef struct sphv_sources {
     const double *field[SPHV_PASS_FIELDS];
 } sphv_sources;
 
+/// Sources that are looked at; those from `sure` to `sure_to` are neighbours of every target of the
+/// group, beyond doubt.
 typedef struct sphv_range {
-    size_t from, to;
+    size_t from, to, sure, sure_to;
 } sphv_range;
 
 /// Targets, and room for their sums: all of them, sum k of lane l in sums[k * SPHV_LANES_MAX + l],
