@@ -168,6 +168,10 @@ static void print_text(const struct error_box *of, const sphv_box_point *point)
         char name[16];
         quantity_name(box->dimension, q, name);
         printf("%-9s ", name);
+        if (norms->counted == 0) {
+            printf("%13s %13s\n", "-", "no particle");
+            continue;
+        }
         if (point->predicted && point->analytic.exists[q])
             printf("%13.6e %13.6e %9.1e", point->analytic.rmse[q].value, norms->rmse,
                    point->analytic.rmse[q].bound + norms->bound);
@@ -197,6 +201,12 @@ static json_t *prediction_json(const sphv_box_point *point, size_t q, const sphv
                                                          : json_null();
 }
 
+/// Null where every particle was left out.
+static json_t *norm_json(const sphv_norms *norms, double value)
+{
+    return norms->counted ? sphv_json_number(value) : json_null();
+}
+
 static json_t *quantity_json(const struct error_box *of, const sphv_box_point *point, size_t q)
 {
     const sphv_norms *norms = &point->norms[q];
@@ -215,11 +225,11 @@ static json_t *quantity_json(const struct error_box *of, const sphv_box_point *p
         point->predicted && point->analytic.exists[q]
             ? sphv_json_number(point->analytic.rmse[q].bound)
             : json_null(),
-        "empirical", "rmse", sphv_json_number(norms->rmse), "interior",
+        "empirical", "rmse", norm_json(norms, norms->rmse), "interior",
         point->interior[q].counted ? sphv_json_number(point->interior[q].rmse) : json_null(),
-        "bound", sphv_json_number(norms->bound), "mae", sphv_json_number(norms->mae), "maximum",
-        sphv_json_number(norms->maximum), "mean_square", sphv_json_number(norms->mean_square),
-        "standard_deviation", sphv_json_number(norms->standard_deviation), "counted",
+        "bound", norm_json(norms, norms->bound), "mae", norm_json(norms, norms->mae), "maximum",
+        norm_json(norms, norms->maximum), "mean_square", norm_json(norms, norms->mean_square),
+        "standard_deviation", norm_json(norms, norms->standard_deviation), "counted",
         (json_int_t)norms->counted, "excluded", excluded, "verdict", verdict_of(point, q));
 }
 

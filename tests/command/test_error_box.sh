@@ -71,6 +71,13 @@ is "$(json neighbours)" "$(json neighbours_least)" 'the number of neighbours'
 expect 1 error -k cubic-spline --particles 400 -s 0.9 --layout random
 holds 'no theory'
 
+# where every particle is left out there is no number
+expect 1 error -k cubic-spline --particles 900 -s 2.5 --method msph
+holds 'no particle'
+expect 1 error -k cubic-spline --particles 900 -s 2.5 --method msph --format json
+is "$(json quantities.0.empirical.rmse)" null 'a norm over no particle'
+is "$(json quantities.0.empirical.excluded.isolated)" 900 'the number of isolated particles'
+
 refuse 2 'square number' error -k cubic-spline --particles 626 -s 0.9
 refuse 2 'square number' error -k cubic-spline --particles 1e99 -s 0.9
 refuse 2 'cube number' error -k cubic-spline --dim 3 --particles 9 -s 0.9
