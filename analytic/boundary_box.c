@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "boundary_jitter.h"
 #include "boundary_particle.h"
 
 enum { N = SPHV_QUANTITIES_MAX };
@@ -161,9 +162,9 @@ static sphv_status check(const sphv_box *box, const sphv_profile *profile, doubl
                          "a kernel of %d and a field of %d dimensions in a box of %d; allowed: the "
                          "same everywhere",
                          profile->dimension, field->dimension, box->dimension);
-    if (box->layout != SPHV_LATTICE)
+    if (box->layout != SPHV_LATTICE && box->layout != SPHV_PERTURBED)
         return sphv_fail(error, SPHV_NO_CLOSED_FORM,
-                         "no theory of boxes for layout '%s'; allowed: lattice",
+                         "no theory of boxes for layout '%s'; allowed: lattice or perturbed",
                          sphv_layouts[box->layout].name);
     if (box->volume == SPHV_VOLUME_DENSITY || box->volume == SPHV_VOLUME_TESSELLATED)
         return sphv_fail(error, SPHV_NO_CLOSED_FORM,
@@ -246,6 +247,8 @@ sphv_status sphv_predict_box_from(const sphv_box *box, const sphv_profile *profi
                           .h = h,
                           .volume = volume_ratio(box)};
     status = sphv_field_theory_make(field, &of.field, error);
+    if (status == SPHV_OK && box->amplitude > 0)
+        return sphv_predict_jitter(box, profile, h, of.volume, method, &of.field, out, error);
     if (status != SPHV_OK) return status;
     of.degree = choose_degree(&of);
     int degree = of.degree + sphv_shape_degree(method);

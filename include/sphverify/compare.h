@@ -24,6 +24,13 @@ sphv_verdict sphv_verdict_worse(sphv_verdict a, sphv_verdict b);
 /// \param scale size of the quantity, of which an error of 1 % must not go unnoticed
 sphv_verdict sphv_compare(sphv_result analytic, sphv_result empirical, double scale);
 
+/// Compares a prediction with a root mean square error over particles. An expectation is compared
+/// with the 99.9 % interval of one realisation, where errors of particles whose supports do not
+/// overlap are independent, count/neighbours of them; an error of 20 % must then not go unnoticed.
+/// \param bound rounding of rmse; \param scale as above, of other predictions than expectations
+sphv_verdict sphv_compare_norm(sphv_result analytic, sphv_rigour rigour, double rmse, double bound,
+                               size_t count, size_t neighbours, double scale);
+
 /// One point: both halves side by side.
 typedef struct sphv_point {
     sphv_prediction analytic;

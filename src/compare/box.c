@@ -111,6 +111,9 @@ sphv_status sphv_evaluate_box(const sphv_box_question *question, sphv_progress p
     status = sphv_predict_box(&question->box, question->profile, question->h, question->method,
                               &question->field, &out->analytic, error);
     out->predicted = status == SPHV_OK;
+    // A perturbed box may have a theory of its interior alone.
+    for (size_t q = 0; q < out->analytic.quantities; q++)
+        out->analytic.exists[q] = out->analytic.exists[q] && isfinite(out->analytic.rmse[q].value);
     if (status != SPHV_OK && status != SPHV_NO_CLOSED_FORM) return status;
     struct box_arrays arrays = {0};
     double scale[3];
@@ -125,9 +128,9 @@ sphv_status sphv_evaluate_box(const sphv_box_question *question, sphv_progress p
         const sphv_norms *norms = &out->norms[q];
         out->verdicts[q] = SPHV_INCONCLUSIVE;
         if (!out->predicted || !out->analytic.exists[q] || norms->counted == 0) continue;
-        out->verdicts[q] =
-            sphv_compare(out->analytic.rmse[q], (sphv_result){norms->rmse, norms->bound},
-                         scale[sphv_monomials(question->box.dimension)[q].degree]);
+        out->verdicts[q] = sphv_compare_norm(
+            out->analytic.rmse[q], out->analytic.rigour, norms->rmse, norms->bound, norms->counted,
+            out->neighbours_most, scale[sphv_monomials(question->box.dimension)[q].degree]);
         out->verdict = sphv_verdict_worse(out->verdict, out->verdicts[q]);
     }
     return SPHV_OK;

@@ -22,3 +22,17 @@ sphv_verdict sphv_compare(sphv_result analytic, sphv_result empirical, double sc
     if (difference > bound) return SPHV_DISAGREES;
     return bound <= 0.01 * fabs(scale) ? SPHV_AGREES : SPHV_INCONCLUSIVE;
 }
+
+sphv_verdict sphv_compare_norm(sphv_result analytic, sphv_rigour rigour, double rmse, double bound,
+                               size_t count, size_t neighbours, double scale)
+{
+    sphv_result empirical = {rmse, bound};
+    if (rigour == SPHV_RIGOUR_STATISTICAL) {
+        // Half of the 99.9 % interval over one realisation.
+        empirical.bound += 3.29 * rmse * sqrt((double)neighbours / (2 * (double)count));
+        // A realisation knows a root mean square to 20 % at best; a larger error of theory must not
+        // go unnoticed.
+        scale = 20 * rmse;
+    }
+    return sphv_compare(analytic, empirical, scale);
+}

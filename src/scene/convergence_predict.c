@@ -2,17 +2,6 @@
 
 #include "convergence_internal.h"
 
-/// Half of the 99.9 % interval of a root mean square over one realisation. Errors of particles
-/// whose supports do not overlap are independent, so that count/n_nb of them are.
-static double sampling_error(double rmse, size_t count, size_t neighbours)
-{
-    return 3.29 * rmse * sqrt((double)neighbours / (2 * (double)count));
-}
-
-/// A single realisation knows a root mean square no better than this; a larger error than that of
-/// theory must not go unnoticed.
-static const double statistical_width = 0.2;
-
 /// Puts a prediction beside what was measured.
 static void compare(const sphv_convergence *scene, size_t field,
                     const sphv_box_prediction *prediction, sphv_stage *stage)
@@ -26,20 +15,17 @@ static void compare(const sphv_convergence *scene, size_t field,
         point->rigour = prediction->rigour;
         for (int part = 0; part < 2; part++) {
             const sphv_norms *norms = part ? &point->interior : &point->whole;
-            sphv_result found = {norms->rmse, norms->bound};
             point->prediction[part] =
                 part ? prediction->interior[target->quantity] : prediction->rmse[target->quantity];
             // Theory is about all particles: where some are left out there is nothing to compare.
             point->predicted[part] = isfinite(point->prediction[part].value) && norms->counted > 0;
-            double scale = norms->rmse;
-            if (prediction->rigour == SPHV_RIGOUR_STATISTICAL) {
-                found.bound += sampling_error(norms->rmse, norms->counted, stage->neighbours);
-                scale *= 100 * statistical_width;
-            }
-            point->verdict[part] = norms->counted + norms->exact_undefined <
-                                           (part ? point->interior.counted : stage->particles)
-                                       ? SPHV_INCONCLUSIVE
-                                       : sphv_compare(point->prediction[part], found, scale);
+            point->verdict[part] =
+                norms->counted + norms->exact_undefined <
+                        (part ? point->interior.counted : stage->particles)
+                    ? SPHV_INCONCLUSIVE
+                    : sphv_compare_norm(point->prediction[part], prediction->rigour, norms->rmse,
+                                        norms->bound, norms->counted, stage->neighbours,
+                                        norms->rmse);
         }
     }
 }
@@ -72,16 +58,12 @@ static void compare_measures(const sphv_convergence *scene, const sphv_scheme *s
         if (!point->there || !point->interior.counted || !(rms.value > 0) ||
             (of_gradient && !difference) || (measure == SPHV_FLATNESS && difference))
             continue;
-        sphv_result found = {point->interior.rmse, point->interior.bound};
-        double scale = found.value;
-        if (!lattice) {
-            found.bound += sampling_error(found.value, point->interior.counted, stage->neighbours);
-            scale *= 100 * statistical_width;
-        }
         point->predicted[1] = true;
         point->prediction[1] = rms;
         point->rigour = lattice ? SPHV_RIGOUR_EXACT : SPHV_RIGOUR_STATISTICAL;
-        point->verdict[1] = sphv_compare(rms, found, scale);
+        point->verdict[1] =
+            sphv_compare_norm(rms, point->rigour, point->interior.rmse, point->interior.bound,
+                              point->interior.counted, stage->neighbours, point->interior.rmse);
     }
 }
 

@@ -1,0 +1,179 @@
+#include "boundary_jitter.h"
+
+#include <gsl/gsl_math.h>
+#include <stdlib.h>
+
+enum {
+    N = SPHV_QUANTITIES_MAX,
+    SUM_ORDER = 10, ///< nodes of a panel of particles that are alike
+    REACH_MAX = 4,  ///< spacings in a support's radius
+};
+
+/// Largest standard deviation of a displacement, in Δx, that is still small.
+static const double deviation_max = 0.15;
+/// A bound above this part of a prediction makes it worthless: the next order is no longer small.
+static const double bound_max = 0.25;
+
+static sphv_displacement displacement_of(const sphv_box *box, bool folded, double sign)
+{
+    double a = box->amplitude;
+    bool normal = box->jitter == SPHV_JITTER_NORMAL;
+    if (!folded) {
+        double q = normal ? a * sqrt(3) : a * sqrt(0.6), w = normal ? 1.0 / 6 : 5.0 / 18;
+        return (sphv_displacement){{-q, 0, q}, {w, 1 - 2 * w, w}};
+    }
+    // |ε|: even between 0 and a; or of mean a √(2/π) and variance a² (1 − 2/π).
+    double middle = normal ? a * sqrt(M_2_PI) : a / 2;
+    double q = normal ? a * sqrt(1 - M_2_PI) : a / 2 * sqrt(0.6), w = normal ? 0.5 : 5.0 / 18;
+    return (sphv_displacement){{sign * (middle - q), sign * middle, sign * (middle + q)},
+                               {w, 1 - 2 * w, w}};
+}
+
+/// How likely a coordinate is to be further than the margin from both sides.
+static double inside(const sphv_jitter_sums *of, const sphv_line *line, double margin)
+{
+    double dx = sphv_box_spacing(of->box), a = of->box->amplitude;
+    double depth = (fmin(line->x, 1 - line->x) - margin) / dx;
+    if (of->box->periodic) return 1;
+    if (of->box->jitter == SPHV_JITTER_UNIFORM) return fmin(1, fmax(0, 0.5 * (1 + depth / a)));
+    return 0.5 * erfc(-depth / (a * M_SQRT2));
+}
+
+/// Σ over particles of the whole box and of its interior.
+struct totals {
+    double count[2], square[2][N], next[2][N];
+    bool singular[2];
+};
+
+static void add_particle(sphv_jitter_sums *of, const sphv_line *const *line, struct totals *to)
+{
+    sphv_jitter_effect effects;
+    double weight[2] = {1, 1}, margin = of->h * of->profile->support;
+    for (int i = 0; i < of->d; i++) {
+        weight[0] *= line[i]->weight;
+        weight[1] *= line[i]->weight * inside(of, line[i], margin);
+    }
+    sphv_jitter_neighbours(of, line);
+    bool regular = sphv_jitter_effects(of, &effects);
+    for (int part = 0; part < 2; part++) {
+        if (!(weight[part] > 0)) continue;
+        to->count[part] += weight[part];
+        to->singular[part] = to->singular[part] || !regular;
+        for (size_t q = 0; q < of->quantities; q++) {
+            double scale = weight[part] * gsl_pow_int(of->h, -2 * sphv_monomials(of->d)[q].degree);
+            to->square[part][q] += scale * (gsl_pow_2(effects.mean[q]) + effects.variance[q]);
+            to->next[part][q] += scale * effects.next[q];
+        }
+    }
+}
+
+static void finish(const struct totals *from, int part, size_t quantity, sphv_result *out)
+{
+    *out = (sphv_result){0, 0};
+    if (!(from->count[part] > 0)) return;
+    double square = from->square[part][quantity] / from->count[part];
+    double next = from->next[part][quantity] / from->count[part];
+    out->value = sqrt(square);
+    // What was added last is as large as what is left out, or larger.
+    out->bound = sqrt(square + next) - out->value;
+    if (from->singular[part] || !(out->bound <= bound_max * out->value))
+        *out = (sphv_result){NAN, INFINITY};
+}
+
+static sphv_status sum_box(sphv_jitter_sums *of, const sphv_field_theory *field, struct totals *to,
+                           sphv_error *error)
+{
+    sphv_lines lines[SPHV_DIMENSIONS] = {{0}};
+    const sphv_line *at[SPHV_DIMENSIONS] = {0};
+    int counts[SPHV_DIMENSIONS] = {1, 1, 1};
+    sphv_status status = SPHV_OK;
+    int reach = (int)floor(of->profile->support / of->ds) + 1;
+    of->neighbour = malloc((size_t)gsl_pow_int(2 * reach + 1, of->d) * sizeof *of->neighbour);
+    if (!of->neighbour)
+        return sphv_fail(error, SPHV_RESOURCE_FAILURE, "not enough memory for a box's theory");
+    for (int i = 0; i < of->d && status == SPHV_OK; i++) {
+        sphv_side side = {.count = of->box->side,
+                          .spacing = sphv_box_spacing(of->box),
+                          .offset = of->box->placement == SPHV_PLACEMENT_CELL ? 0.5 : 0,
+                          .reach = reach,
+                          .periodic = of->box->periodic,
+                          .margin = of->h * of->profile->support,
+                          .singular_until = -1};
+        if (i == 0 && field->singular) side.singular_until = 2 * side.margin;
+        status = sphv_lines_make(&side, field->singular && i == 0 ? SUM_ORDER / 2 : SUM_ORDER,
+                                 &lines[i], error);
+        counts[i] = lines[i].count;
+    }
+    for (int i = 0; status == SPHV_OK && i < counts[0]; i++)
+        for (int j = 0; j < counts[1]; j++)
+            for (int k = 0; k < counts[2]; k++) {
+                at[0] = &lines[0].line[i];
+                if (of->d > 1) at[1] = &lines[1].line[j];
+                if (of->d > 2) at[2] = &lines[2].line[k];
+                add_particle(of, at, to);
+            }
+    for (int i = 0; i < of->d; i++) sphv_lines_free(&lines[i]);
+    free(of->neighbour);
+    return status;
+}
+
+static sphv_status check(const sphv_jitter_sums *of, sphv_error *error)
+{
+    double deviation = of->box->amplitude;
+    if (of->box->jitter == SPHV_JITTER_UNIFORM) deviation /= sqrt(3);
+    if (deviation > deviation_max)
+        return sphv_fail(error, SPHV_NO_CLOSED_FORM,
+                         "perturbations of standard deviation %.3g spacings; the theory of boxes "
+                         "goes to %g",
+                         deviation, deviation_max);
+    if (of->profile->support / of->ds > REACH_MAX)
+        return sphv_fail(error, SPHV_NO_CLOSED_FORM,
+                         "a support of %.3g spacings on a perturbed lattice; the theory of boxes "
+                         "goes to %d",
+                         of->profile->support / of->ds, REACH_MAX);
+    switch (of->method) {
+    case SPHV_SPH:
+    case SPHV_SPH_DIFFERENCE:
+    case SPHV_SHEPARD:
+    case SPHV_RKPM_0:
+    case SPHV_CSPM:
+    case SPHV_FPM:
+    case SPHV_MSPH:
+        return SPHV_OK;
+    default:
+        return sphv_fail(error, SPHV_NO_CLOSED_FORM, "no theory of perturbed boxes for method '%s'",
+                         sphv_methods[of->method].name);
+    }
+}
+
+sphv_status sphv_predict_jitter(const sphv_box *box, const sphv_profile *profile, double h,
+                                double volume, sphv_method method, const sphv_field_theory *field,
+                                sphv_box_prediction *out, sphv_error *error)
+{
+    struct totals totals = {0};
+    sphv_jitter_sums of = {.box = box,
+                           .profile = profile,
+                           .field = field->field,
+                           .method = method,
+                           .d = box->dimension,
+                           .degree = sphv_shape_degree(method),
+                           .quantities = sphv_method_quantities(method, box->dimension),
+                           .h = h,
+                           .ds = sphv_box_spacing(box) / h,
+                           .free = displacement_of(box, false, 1),
+                           .low = displacement_of(box, true, 1),
+                           .high = displacement_of(box, true, -1)};
+    of.terms = sphv_monomial_count(of.d, of.degree);
+    of.v = volume * gsl_pow_int(of.ds, of.d);
+    sphv_status status = check(&of, error);
+    if (status == SPHV_OK) status = sum_box(&of, field, &totals, error);
+    if (status != SPHV_OK) return status;
+    out->quantities = of.quantities;
+    out->rigour = SPHV_RIGOUR_STATISTICAL;
+    for (size_t q = 0; q < of.quantities; q++) {
+        finish(&totals, 0, q, &out->rmse[q]);
+        finish(&totals, 1, q, &out->interior[q]);
+        out->exists[q] = isfinite(out->rmse[q].value) || isfinite(out->interior[q].value);
+    }
+    return SPHV_OK;
+}

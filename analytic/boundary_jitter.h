@@ -1,0 +1,62 @@
+/// \file boundary_jitter.h
+/// Boxes whose lattice is perturbed.
+#ifndef SPHVERIFY_ANALYTIC_BOUNDARY_JITTER_H
+#define SPHVERIFY_ANALYTIC_BOUNDARY_JITTER_H
+
+#include "boundary_internal.h"
+
+enum { SPHV_JITTER_NODES = 3 }; ///< of a displacement's rule, the middle one in the middle
+
+/// A displacement in Δx: where, and with what probability.
+typedef struct sphv_displacement {
+    double at[SPHV_JITTER_NODES], weight[SPHV_JITTER_NODES];
+} sphv_displacement;
+
+/// A particle that is not the one looked at.
+typedef struct sphv_jitter_neighbour {
+    double s[SPHV_DIMENSIONS], x[SPHV_DIMENSIONS], value;
+    const sphv_displacement *moved[SPHV_DIMENSIONS];
+} sphv_jitter_neighbour;
+
+/// The sums around one particle.
+typedef struct sphv_jitter_sums {
+    const sphv_box *box;
+    const sphv_profile *profile;
+    const sphv_field *field;
+    sphv_method method;
+    int d, degree; ///< of the highest monomial in a shape function
+    size_t quantities, terms;
+    double h, ds, v;
+    double x[SPHV_DIMENSIONS]; ///< of the particle on the lattice
+    size_t count;
+    sphv_jitter_neighbour *neighbour;
+    sphv_displacement free, low, high;         ///< in the box, on its lower and its upper sides
+    sphv_shape shape;                          ///< on the lattice, as is what follows
+    double own, estimate[SPHV_QUANTITIES_MAX]; ///< A_a and h^|β| times the estimates
+} sphv_jitter_sums;
+
+/// Moments of h^|β| times the error at one particle, and the moduli of what the next order in the
+/// amplitude has added to the variance.
+typedef struct sphv_jitter_effect {
+    double mean[SPHV_QUANTITIES_MAX], variance[SPHV_QUANTITIES_MAX], next[SPHV_QUANTITIES_MAX];
+    /// Of B⁻¹δB, B the moment matrix: the variance, and the mean on the diagonal.
+    double matrix[SPHV_QUANTITIES_MAX][SPHV_QUANTITIES_MAX], drift[SPHV_QUANTITIES_MAX];
+} sphv_jitter_effect;
+
+/// Puts together the neighbours of a particle. `neighbour` has room for all lines within reach.
+void sphv_jitter_neighbours(sphv_jitter_sums *of, const sphv_line *const *line);
+
+/// What perturbations do to the particle whose neighbours were taken last.
+/// \return false where the moment matrix is singular, or so nearly that a perturbation changes its
+///         inverse by orders of magnitude
+bool sphv_jitter_effects(sphv_jitter_sums *of, sphv_jitter_effect *to);
+
+/// Adds up the expected squares of the errors over a box whose arguments have been checked.
+/// \param volume V/Δx^d
+/// \return SPHV_NO_CLOSED_FORM where perturbations or supports are too large, or for a method
+///         whose sensitivity to displacements is not known
+sphv_status sphv_predict_jitter(const sphv_box *box, const sphv_profile *profile, double h,
+                                double volume, sphv_method method, const sphv_field_theory *field,
+                                sphv_box_prediction *out, sphv_error *error) SPHV_MUST_CHECK;
+
+#endif
