@@ -5,8 +5,8 @@
 
 enum {
     N = SPHV_QUANTITIES_MAX,
-    SUM_ORDER = 10, ///< nodes of a panel of particles that are alike
-    REACH_MAX = 4,  ///< spacings in a support's radius
+    SUM_ORDER = 8, ///< nodes of a panel of particles that are alike: 1e−5 for sin² 4πx
+    REACH_MAX = 4, ///< spacings in a support's radius
 };
 
 /// Largest standard deviation of a displacement, in Δx, that is still small.
@@ -100,8 +100,9 @@ static sphv_status sum_box(sphv_jitter_sums *of, const sphv_field_theory *field,
                           .margin = of->h * of->profile->support,
                           .singular_until = -1};
         if (i == 0 && field->singular) side.singular_until = 2 * side.margin;
-        status = sphv_lines_make(&side, field->singular && i == 0 ? SUM_ORDER / 2 : SUM_ORDER,
-                                 &lines[i], error);
+        int order = field->narrow ? SPHV_SUM_RULE : SUM_ORDER;
+        status =
+            sphv_lines_make(&side, side.singular_until > 0 ? order / 2 : order, &lines[i], error);
         counts[i] = lines[i].count;
     }
     for (int i = 0; status == SPHV_OK && i < counts[0]; i++)
