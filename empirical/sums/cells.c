@@ -92,13 +92,13 @@ static size_t place_of(const sphv_cell_grid *grid, const double x[SPHV_DIMENSION
 
 struct extent {
     double low[SPHV_DIMENSIONS], high[SPHV_DIMENSIONS];
+    size_t copies;
 };
 
 static void widen(sphv_cell_grid *grid, const struct source *source, void *context)
 {
     struct extent *extent = context;
-    grid->count++;
-    if (!source->copy) grid->targets++;
+    extent->copies += source->copy;
     for (int i = 0; i < grid->dimension; i++) {
         if (source->x[i] < extent->low[i]) extent->low[i] = source->x[i];
         if (source->x[i] > extent->high[i]) extent->high[i] = source->x[i];
@@ -107,17 +107,23 @@ static void widen(sphv_cell_grid *grid, const struct source *source, void *conte
 
 static void count_source(sphv_cell_grid *grid, const struct source *source, void *context)
 {
-    (void)context;
-    grid->start[place_of(grid, source->x) + 1]++;
+    uint32_t **cell = context, at = (uint32_t)place_of(grid, source->x);
+    *(*cell)++ = at;
+    grid->start[at + 1]++;
 }
+
+struct putting {
+    const sphv_particles *particles;
+    const uint32_t *cell; ///< of the next source
+};
 
 /// Puts a source where its cell has come to; start[cell] ends as the start of the next one.
 static void put_source(sphv_cell_grid *grid, const struct source *source, void *context)
 {
-    const sphv_particles *particles = context;
-    size_t at = grid->start[place_of(grid, source->x)]++;
+    struct putting *putting = context;
+    size_t at = grid->start[*putting->cell++]++;
     for (int i = 0; i < grid->dimension; i++) grid->x[i][at] = source->x[i];
-    grid->volume[at] = particles->volume[source->particle];
+    grid->volume[at] = putting->particles->volume[source->particle];
     grid->particle[at] = (uint32_t)source->particle | (source->copy ? 0x80000000u : 0);
 }
 
@@ -142,7 +148,7 @@ static void choose_cells(sphv_cell_grid *grid, const struct extent *extent)
             if (extent->high[i] - extent->low[i] <= spacing) flat[i] = true;
     }
     double thickness = counted > 1 ? THICKNESS[counted - 1] : 1;
-    double most = 2 * (double)grid->count + 16;
+    double most = fmin(2 * (double)grid->count + 16, 4e9); // places fit 32 bits
     for (int i = d - 1; i >= 0; i--) {
         double length = extent->high[i] - extent->low[i];
         double size = i > 0 ? thickness * spacing : spacing / pow(thickness, counted - 1);
@@ -164,10 +170,10 @@ static bool allocate_cells(sphv_cell_grid *grid, size_t rows)
 {
     bool enough = true;
     for (int i = 0; i < grid->dimension; i++)
-        enough = (grid->x[i] = sphv_array(grid->count, sizeof(double))) && enough;
-    grid->volume = sphv_array(grid->count, sizeof(double));
-    grid->particle = sphv_array(grid->count, sizeof(uint32_t));
-    grid->target = sphv_array(grid->targets, sizeof(uint32_t));
+        enough = (grid->x[i] = sphv_room(grid->count, sizeof(double))) && enough;
+    grid->volume = sphv_room(grid->count, sizeof(double));
+    grid->particle = sphv_room(grid->count, sizeof(uint32_t));
+    grid->target = sphv_room(grid->targets, sizeof(uint32_t));
     grid->start = sphv_array(rows * grid->cells[0] + 2, sizeof(uint32_t));
     grid->row = sphv_array(rows + 1, sizeof(sphv_row));
     return enough && grid->volume && grid->particle && grid->target && grid->start && grid->row;
@@ -205,8 +211,10 @@ sphv_status sphv_cell_grid_make(sphv_cell_grid *grid, const sphv_particles *part
     frexp(radius, &exponent);
     *grid = (sphv_cell_grid){
         .dimension = particles->dimension, .unit = ldexp(1, -exponent), .cells = {1, 1, 1}};
-    struct extent extent = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    struct extent extent = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}, 0};
     each_source(grid, particles, radius, widen, grid, &extent);
+    grid->targets = particles->count;
+    grid->count = particles->count + extent.copies;
     if (grid->count >= 0x7fffffffu)
         return sphv_fail(error, SPHV_RESOURCE_FAILURE,
                          "%zu particles are more than the 2^31 that "
@@ -219,15 +227,20 @@ sphv_status sphv_cell_grid_make(sphv_cell_grid *grid, const sphv_particles *part
                              "coordinates do not tell which are neighbours");
     if (grid->count) choose_cells(grid, &extent);
     size_t rows = grid->cells[1] * grid->cells[2];
-    if (!allocate_cells(grid, rows)) {
+    uint32_t *cell = sphv_room(grid->count, sizeof *cell);
+    if (!allocate_cells(grid, rows) || !cell) {
+        free(cell);
         sphv_cell_grid_free(grid);
         return sphv_fail(error, SPHV_RESOURCE_FAILURE, "out of memory for sorting %zu particles",
                          particles->count);
     }
     size_t cells = rows * grid->cells[0];
-    each_source(grid, particles, radius, count_source, grid, NULL);
+    uint32_t *next = cell;
+    each_source(grid, particles, radius, count_source, grid, &next);
     for (size_t c = 0; c < cells; c++) grid->start[c + 1] += grid->start[c];
-    each_source(grid, particles, radius, put_source, grid, (void *)particles);
+    struct putting putting = {particles, cell};
+    each_source(grid, particles, radius, put_source, grid, &putting);
+    free(cell);
     memmove(grid->start + 1, grid->start, cells * sizeof *grid->start);
     grid->start[0] = 0;
     survey_rows(grid, rows);

@@ -27,7 +27,7 @@ struct direct {
     const sphv_pass_set *passes;
     sphv_cell_grid grid;
     sphv_radial radial;
-    double *v;      ///< V/h^d of each source
+    double *v;      ///< V/h^d of each source, where the sources' volumes were
     double v_most;  ///< max |V|/h^d
     double **field; ///< of each source
     double *scale;  ///< of each sum, from powers of d to powers of s
@@ -73,16 +73,16 @@ static bool make_sources(struct direct *direct)
     size_t n = grid->count ? grid->count : 1;
     double unit = 1;
     for (int i = 0; i < grid->dimension; i++) unit *= request->h;
-    direct->v = sphv_array(n, sizeof *direct->v);
+    direct->v = grid->volume;
     // A pass has at least one field; without any it gets one that is nowhere different.
     size_t fields = fields_of(direct) ? fields_of(direct) : 1;
     direct->field = calloc(fields, sizeof *direct->field);
-    bool enough = direct->v && direct->field;
+    bool enough = direct->field != NULL;
     for (size_t f = 0; enough && f < fields; f++)
-        enough = (direct->field[f] = sphv_array(n, sizeof(double))) != NULL;
+        enough = (direct->field[f] = sphv_room(n, sizeof(double))) != NULL;
     if (!enough) return false;
     for (size_t b = 0; b < grid->count; b++) {
-        direct->v[b] = grid->volume[b] / unit;
+        direct->v[b] /= unit;
         direct->v_most = fmax(direct->v_most, fabs(direct->v[b]));
         for (size_t f = 0; f < fields_of(direct); f++)
             direct->field[f][b] = request->fields[f][grid->particle[b]];
@@ -121,7 +121,6 @@ static void direct_free(struct direct *direct)
     for (size_t f = 0; direct->field && f < (fields_of(direct) ? fields_of(direct) : 1); f++)
         free(direct->field[f]);
     free(direct->field);
-    free(direct->v);
     free(direct->scale);
     free(direct->group);
     sphv_cell_grid_free(&direct->grid);
@@ -149,7 +148,7 @@ static bool bench_make(struct bench *bench, const struct direct *direct)
     size_t rows = direct->grid.cells[1] * direct->grid.cells[2];
     bool enough = sphv_worker_make(&bench->worker, direct->evaluation) == SPHV_OK;
     bench->ranges = malloc((rows + 1) * sizeof *bench->ranges);
-    bench->sums = malloc(SPHV_PASS_SUMS * SPHV_LANES_MAX * sizeof *bench->sums);
+    bench->sums = calloc(SPHV_PASS_SUMS * SPHV_LANES_MAX, sizeof *bench->sums);
     for (size_t k = 0; k < sizeof bench->gathered / sizeof *bench->gathered; k++)
         enough = (bench->gathered[k] = malloc((GATHERED + 8) * sizeof(double))) && enough;
     bench->pass = (sphv_pass){
@@ -184,9 +183,10 @@ static void load_targets(const struct direct *direct, const struct group *group,
     }
 }
 
-/// Sums of one pass into the block; those of the moments only with the first fields.
-static void store_sums(const struct direct *direct, struct bench *bench, size_t at, uint32_t count,
-                       int first_field, int fields)
+/// Sums of one pass into the block; those of the moments only with the first fields. All lanes: the
+/// block has room, and the next group's come over those that are left over.
+static void store_sums(const struct direct *direct, struct bench *bench, size_t at, int first_field,
+                       int fields)
 {
     const sphv_sum_layout *layout = &direct->evaluation->layout;
     double *to = bench->worker.block.sums;
@@ -194,9 +194,9 @@ static void store_sums(const struct direct *direct, struct bench *bench, size_t 
     for (int k = first_field ? head : 0; k < head + fields * layout->per_field; k++) {
         int sum = k < head ? k : k + first_field * layout->per_field;
         if (sum >= layout->count) break; // the field that stands in for none
-        for (uint32_t l = 0; l < count; l++)
-            to[(size_t)sum * bench->worker.block.stride + at + l] =
-                bench->sums[k * SPHV_LANES_MAX + (int)l] * direct->scale[sum];
+        const double *from = bench->sums + k * SPHV_LANES_MAX, scale = direct->scale[sum];
+        double *row = to + (size_t)sum * bench->worker.block.stride + at;
+        for (int l = 0; l < SPHV_LANES_MAX; l++) row[l] = from[l] * scale;
     }
 }
 
@@ -256,7 +256,7 @@ static void sum_group(const struct direct *direct, struct bench *bench, const st
             total = whole.to;
         }
         function(pass, gathers ? 1 : ranges, gathers ? &whole : bench->ranges);
-        store_sums(direct, bench, at, group->count, f, fields);
+        store_sums(direct, bench, at, f, fields);
         for (size_t r = 0; r < (gathers ? 1 : ranges); r++) {
             const sphv_range *range = gathers ? &whole : &bench->ranges[r];
             double length = (double)(range->to - range->from);

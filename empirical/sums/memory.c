@@ -1,5 +1,6 @@
 #include "memory.h"
 
+#include <stdbool.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,18 +9,32 @@
 #include <sys/mman.h>
 #endif
 
-void *sphv_array(size_t count, size_t size)
+static const size_t PAGE = (size_t)2 << 20;
+
+/// Whether an array is worth large pages, and small enough to be rounded up to them.
+static bool is_large(size_t count, size_t size)
+{
+    return count <= (SIZE_MAX - PAGE) / size && count * size >= 2 * PAGE;
+}
+
+void *sphv_room(size_t count, size_t size)
 {
     if (count == 0) count = 1;
 #if defined(__linux__) && defined(MADV_HUGEPAGE)
-    const size_t page = (size_t)2 << 20;
-    if (count <= (SIZE_MAX - page) / size && count * size >= 2 * page) {
-        size_t bytes = (count * size + page - 1) / page * page;
-        void *array = aligned_alloc(page, bytes);
-        if (!array) return NULL;
-        (void)madvise(array, bytes, MADV_HUGEPAGE); // a wish: without it the array is as good
-        return memset(array, 0, bytes);
+    if (is_large(count, size)) {
+        size_t bytes = (count * size + PAGE - 1) / PAGE * PAGE;
+        void *array = aligned_alloc(PAGE, bytes);
+        // a wish: without it the array is as good
+        if (array) (void)madvise(array, bytes, MADV_HUGEPAGE);
+        return array;
     }
 #endif
     return calloc(count, size);
+}
+
+void *sphv_array(size_t count, size_t size)
+{
+    void *array = sphv_room(count, size);
+    if (array && is_large(count, size)) memset(array, 0, count * size);
+    return array;
 }

@@ -10,4 +10,7 @@
 /// \return NULL without memory, and for sizes that overflow
 void *sphv_array(size_t count, size_t size);
 
+/// The same without zeros, for arrays that are written before they are read.
+void *sphv_room(size_t count, size_t size);
+
 #endif

@@ -183,8 +183,8 @@ typedef struct prepared {
 /// Distance and masked volume of source b; the mask is not needed for sure neighbours. Roots take
 /// long, and the many operations that wait for one would fill the processor's scheduler: they are
 /// taken AHEAD sources before they are used. Without need for 1/r the root comes from the
-/// processor's square root, and where that would be waited for (few sums) in turns from
-/// multiplications: both units are busy.
+/// processor's square root, and once in four from multiplications, which it would keep waiting:
+/// both units are busy.
 SPHV_INLINE void prepare(const plan of, const sphv_pass *pass, const vec x[3], size_t b,
                          const sphv_radial_form form, bool sure, vec *neighbours, prepared *out)
 {
@@ -203,7 +203,7 @@ SPHV_INLINE void prepare(const plan of, const sphv_pass *pass, const vec x[3], s
     }
     if (form == SPHV_RADIAL_PROFILE)
         out->r = square;
-    else if (of.known.knots == 1 && (of.count >= 14 ? b % 4 != 0 : b % 2 != 0))
+    else if (of.known.knots == 1 && b % 4 != 0)
         out->r = v_sqrt(square);
     else
         out->r = v_root(square, &out->inverse);
