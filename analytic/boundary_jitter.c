@@ -20,13 +20,12 @@ static sphv_displacement displacement_of(const sphv_box *box, bool folded, doubl
     bool normal = box->jitter == SPHV_JITTER_NORMAL;
     if (!folded) {
         double q = normal ? a * sqrt(3) : a * sqrt(0.6), w = normal ? 1.0 / 6 : 5.0 / 18;
-        return (sphv_displacement){{-q, 0, q}, {w, 1 - 2 * w, w}};
+        return (sphv_displacement){0, {-q, 0, q}, {w, 1 - 2 * w, w}};
     }
     // |ε|: even between 0 and a; or of mean a √(2/π) and variance a² (1 − 2/π).
     double middle = normal ? a * sqrt(M_2_PI) : a / 2;
     double q = normal ? a * sqrt(1 - M_2_PI) : a / 2 * sqrt(0.6), w = normal ? 0.5 : 5.0 / 18;
-    return (sphv_displacement){{sign * (middle - q), sign * middle, sign * (middle + q)},
-                               {w, 1 - 2 * w, w}};
+    return (sphv_displacement){sign * middle, {-q, 0, q}, {w, 1 - 2 * w, w}};
 }
 
 /// How likely a coordinate is to be further than the margin from both sides.

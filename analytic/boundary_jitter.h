@@ -7,9 +7,9 @@
 
 enum { SPHV_JITTER_NODES = 3 }; ///< of a displacement's rule, the middle one in the middle
 
-/// A displacement in Δx: where, and with what probability.
+/// A displacement in Δx: its mean, and where beside that with what probability.
 typedef struct sphv_displacement {
-    double at[SPHV_JITTER_NODES], weight[SPHV_JITTER_NODES];
+    double mean, at[SPHV_JITTER_NODES], weight[SPHV_JITTER_NODES];
 } sphv_displacement;
 
 /// A particle that is not the one looked at.
@@ -27,11 +27,12 @@ typedef struct sphv_jitter_sums {
     int d, degree; ///< of the highest monomial in a shape function
     size_t quantities, terms;
     double h, ds, v;
-    double x[SPHV_DIMENSIONS]; ///< of the particle on the lattice
+    double x[SPHV_DIMENSIONS]; ///< mean place of the particle
+    const sphv_displacement *moved[SPHV_DIMENSIONS];
     size_t count;
     sphv_jitter_neighbour *neighbour;
-    sphv_displacement free, low, high;         ///< in the box, on its lower and its upper sides
-    sphv_shape shape;                          ///< on the lattice, as is what follows
+    sphv_displacement free, low, high; ///< in the box, on its lower and its upper sides
+    sphv_shape shape;                  ///< where all are at their mean places, as is what follows
     double own, estimate[SPHV_QUANTITIES_MAX]; ///< A_a and h^|β| times the estimates
 } sphv_jitter_sums;
 

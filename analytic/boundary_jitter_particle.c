@@ -293,7 +293,7 @@ bool sphv_jitter_effects(sphv_jitter_sums *of, sphv_jitter_effect *to)
         to->mean[q] = at_lattice[q];
     }
     for (int i = 0; i < of->d; i++) {
-        const sphv_displacement *moved = moved_at(of, of->x[i]);
+        const sphv_displacement *moved = of->moved[i];
         for (int m = 0; m < NODES; m++) {
             sphv_shape shape;
             double x[SPHV_DIMENSIONS] = {of->x[0], of->x[1], of->x[2]};
@@ -331,7 +331,8 @@ void sphv_jitter_neighbours(sphv_jitter_sums *of, const sphv_line *const *line)
     // Those that a perturbation may bring into the support belong to it.
     double reach = of->profile->support + 4 * of->box->amplitude * of->ds;
     for (int i = 0; i < of->d; i++) {
-        of->x[i] = line[i]->x;
+        of->moved[i] = moved_at(of, line[i]->x);
+        of->x[i] = line[i]->x + of->moved[i]->mean * dx;
         offset[i] = -line[i]->below;
     }
     of->count = 0;
@@ -340,11 +341,12 @@ void sphv_jitter_neighbours(sphv_jitter_sums *of, const sphv_line *const *line)
         double square = 0;
         *b = (sphv_jitter_neighbour){0};
         for (int i = 0; i < of->d; i++) {
-            b->s[i] = offset[i] * of->ds;
-            b->x[i] = of->x[i] + offset[i] * dx;
+            double x = line[i]->x + offset[i] * dx;
             // Exactly on the side, or a power of x may be that of a negative number.
-            if (fabs(b->x[i]) < 1e-6 * dx) b->x[i] = 0;
-            b->moved[i] = moved_at(of, b->x[i]);
+            if (fabs(x) < 1e-6 * dx) x = 0;
+            b->moved[i] = moved_at(of, x);
+            b->x[i] = x + b->moved[i]->mean * dx;
+            b->s[i] = (offset[i] + b->moved[i]->mean - of->moved[i]->mean) * of->ds;
             square += b->s[i] * b->s[i];
         }
         if (square > 0 && square < reach * reach) {
