@@ -123,7 +123,9 @@ sphv_status sphv_evaluate_box(const sphv_box_question *question, sphv_progress p
     sphv_particles_free(&arrays.particles);
     free(arrays.field);
     if (status != SPHV_OK) return status;
-    out->verdict = out->predicted ? SPHV_AGREES : SPHV_INCONCLUSIVE;
+    out->verdict = SPHV_INCONCLUSIVE; // where there is nothing to compare
+    for (size_t q = 0; out->predicted && q < out->quantities; q++)
+        if (out->analytic.exists[q] && out->norms[q].counted > 0) out->verdict = SPHV_AGREES;
     for (size_t q = 0; q < out->quantities; q++) {
         const sphv_norms *norms = &out->norms[q];
         out->verdicts[q] = SPHV_INCONCLUSIVE;
