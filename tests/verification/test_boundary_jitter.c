@@ -52,9 +52,10 @@ static void realise(const struct trial *of, struct measured *to)
     assert_ok(sphv_estimate_particles(&particles, &request, NULL, NULL, &estimates, &error), error);
     for (size_t n = 0; n < particles.count; n++)
         to->neighbours = fmax(to->neighbours, estimates.neighbours[n]);
-    for (size_t m = 0; m < METHODS; m++)
-        for (size_t q = 0; q < estimates.methods[m].quantities; q++) {
-            sample(of, &particles, q, values);
+    for (size_t q = 0; q < sphv_method_quantities(SPHV_MSPH, of->box.dimension); q++) {
+        sample(of, &particles, q, values);
+        for (size_t m = 0; m < METHODS; m++) {
+            if (q >= estimates.methods[m].quantities) continue;
             for (int part = 0; part < PARTS; part++) {
                 double margin = part ? of->h * of->profile->support : 0;
                 // A periodic box has no sides to be away from.
@@ -66,6 +67,7 @@ static void realise(const struct trial *of, struct measured *to)
                 if (part == 0) to->faulty[m] = to->faulty[m] || norms.counted < particles.count;
             }
         }
+    }
     sphv_estimates_free(&estimates);
     sphv_particles_free(&particles);
     free(values);
@@ -78,6 +80,8 @@ static int hold(const struct trial *of, const struct measured *found)
     int compared = 0;
     for (size_t m = 0; m < METHODS; m++) {
         sphv_box_prediction expected;
+        // In three dimensions these boxes have no interior to speak of, and `msph` takes its time.
+        if (of->box.dimension == 3 && methods[m] == SPHV_MSPH) continue;
         assert_ok(sphv_predict_box(&of->box, of->profile, of->h, methods[m], &of->field, &expected,
                                    &error),
                   error);
