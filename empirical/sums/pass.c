@@ -308,7 +308,11 @@ SPHV_INLINE void run(sphv_pass *pass, size_t range_count, const sphv_range *rang
     X(d, REPRODUCING, 2, ANY)                                                                      \
     X(d, SECOND, 2, ANY)                                                                           \
     X(d, ALL, 2, ANY)
+#if defined(__x86_64__) && !defined(__AVX2__)
+#define SPECIAL(X, d) // few processors of this kind are left without AVX2
+#else
 #define SPECIAL(X, d) LOW(X, d, C2) LOW(X, d, C4) LOW(X, d, C6) LOW(X, d, CUBIC)
+#endif
 #define EVERY(X) SPECIAL(X, 2) SPECIAL(X, 3) DIMENSION(X, 1) DIMENSION(X, 2) DIMENSION(X, 3)
 
 EVERY(PASS)
