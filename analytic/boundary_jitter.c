@@ -40,7 +40,7 @@ static double inside(const sphv_jitter_sums *of, const sphv_line *line, double m
 
 /// Σ over particles of the whole box and of its interior.
 struct totals {
-    double count[2], square[2][N], next[2][N];
+    double count[2], square[2][N], next[2][N], rounding[2][N]; ///< the last: of its square
     bool singular[2];
 };
 
@@ -62,6 +62,7 @@ static void add_particle(sphv_jitter_sums *of, const sphv_line *const *line, str
             double scale = weight[part] * gsl_pow_int(of->h, -2 * sphv_monomials(of->d)[q].degree);
             to->square[part][q] += scale * (gsl_pow_2(effects.mean[q]) + effects.variance[q]);
             to->next[part][q] += scale * effects.next[q];
+            to->rounding[part][q] += scale * gsl_pow_2(effects.rounding[q]);
         }
     }
 }
@@ -75,8 +76,11 @@ static void finish(const struct totals *from, int part, size_t quantity, sphv_re
     out->value = sqrt(square);
     // What was added last is as large as what is left out, or larger.
     out->bound = sqrt(square + next) - out->value;
-    if (from->singular[part] || !(out->bound <= bound_max * out->value))
+    double rounding = sqrt(from->rounding[part][quantity] / from->count[part]);
+    if (from->singular[part] || !(out->bound <= bound_max * out->value + rounding))
         *out = (sphv_result){NAN, INFINITY};
+    else
+        out->bound += rounding;
 }
 
 static sphv_status sum_box(sphv_jitter_sums *of, const sphv_field_theory *field, struct totals *to,

@@ -42,6 +42,7 @@ typedef struct sphv_jitter_effect {
     double mean[SPHV_QUANTITIES_MAX], variance[SPHV_QUANTITIES_MAX], next[SPHV_QUANTITIES_MAX];
     /// Of B⁻¹δB, B the moment matrix: the variance, and the mean on the diagonal.
     double matrix[SPHV_QUANTITIES_MAX][SPHV_QUANTITIES_MAX], drift[SPHV_QUANTITIES_MAX];
+    double rounding[SPHV_QUANTITIES_MAX]; ///< of the error's root mean square
 } sphv_jitter_effect;
 
 /// Puts together the neighbours of a particle. `neighbour` has room for all lines within reach.

@@ -279,6 +279,28 @@ static void add_neighbour(const sphv_jitter_sums *of, const sphv_jitter_neighbou
         }
 }
 
+/// Rounding of the moments, of the solve and of sums of effects: each of the values summed is in
+/// error by a few tens of roundings times the condition number, and all may add up.
+static void find_rounding(const sphv_jitter_sums *of, const double *scale, sphv_jitter_effect *to)
+{
+    double p[SPHV_RADIALS], monomial[SPHV_SHAPE_TERMS], chi[N];
+    double relative = 32 * DBL_EPSILON * ((double)of->count + 1) * fmax(1, of->shape.condition);
+    const sphv_monomial *table = sphv_monomials(of->d);
+    for (size_t q = 0; q < of->quantities; q++)
+        to->rounding[q] = fabs(of->shape.self[q] * of->own) +
+                          scale[q] * fabs(sphv_field_derivative(of->field, table[q].power, of->x));
+    for (size_t b = 0; b <= of->count; b++) { // the particle itself comes last
+        static const double origin[SPHV_DIMENSIONS] = {0};
+        double value = b < of->count ? of->neighbour[b].value : of->own;
+        if (!basis(of, b < of->count ? of->neighbour[b].s : origin, p, monomial, of->terms))
+            continue;
+        shape_functions(of, &of->shape, p, monomial, chi);
+        for (size_t q = 0; q < of->quantities; q++)
+            to->rounding[q] += of->v * fabs(chi[q]) * fmax(fabs(value), fabs(of->own));
+    }
+    for (size_t q = 0; q < of->quantities; q++) to->rounding[q] *= relative;
+}
+
 bool sphv_jitter_effects(sphv_jitter_sums *of, sphv_jitter_effect *to)
 {
     double at_lattice[N], scale[N], own, effect[NODES][N];
@@ -292,6 +314,7 @@ bool sphv_jitter_effects(sphv_jitter_sums *of, sphv_jitter_effect *to)
             of->estimate[q] - scale[q] * sphv_field_derivative(of->field, table[q].power, of->x);
         to->mean[q] = at_lattice[q];
     }
+    find_rounding(of, scale, to);
     for (int i = 0; i < of->d; i++) {
         const sphv_displacement *moved = of->moved[i];
         for (int m = 0; m < NODES; m++) {
