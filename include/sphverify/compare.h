@@ -24,9 +24,15 @@ sphv_verdict sphv_verdict_worse(sphv_verdict a, sphv_verdict b);
 /// \param scale size of the quantity, of which an error of 1 % must not go unnoticed
 sphv_verdict sphv_compare(sphv_result analytic, sphv_result empirical, double scale);
 
-/// Compares a prediction with a root mean square error over particles. An expectation is compared
-/// with the 99.9 % interval of one realisation, where errors of particles whose supports do not
-/// overlap are independent, count/neighbours of them; an error of 20 % must then not go unnoticed.
+/// What a root mean square error is known to, beside a prediction of some rigour: its rounding and,
+/// where the prediction is an expectation, half of the 99.9 % interval of one realisation. Errors
+/// of particles whose supports do not overlap are independent, count/neighbours of them. \param
+/// bound rounding of rmse
+double sphv_norm_interval(double rmse, double bound, sphv_rigour rigour, size_t count,
+                          size_t neighbours);
+
+/// Compares a prediction with a root mean square error over particles, known to
+/// `sphv_norm_interval`. Beside an expectation an error of 20 % must not go unnoticed.
 /// \param bound rounding of rmse; \param scale as above, of other predictions than expectations
 sphv_verdict sphv_compare_norm(sphv_result analytic, sphv_rigour rigour, double rmse, double bound,
                                size_t count, size_t neighbours, double scale);
@@ -83,6 +89,7 @@ typedef struct sphv_box_point {
     bool predicted; ///< a theory exists; where a single quantity has none, `analytic.exists` says
     sphv_box_prediction analytic;
     sphv_norms norms[SPHV_QUANTITIES_MAX];    ///< over all particles
+    double interval[SPHV_QUANTITIES_MAX];     ///< what their RMSE is known to, sphv_norm_interval
     sphv_norms interior[SPHV_QUANTITIES_MAX]; ///< over those at least κh from every side
     /// Of the RMSE over all particles; `inconclusive` without a theory.
     sphv_verdict verdicts[SPHV_QUANTITIES_MAX];

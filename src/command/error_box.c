@@ -174,7 +174,7 @@ static void print_text(const struct error_box *of, const sphv_box_point *point)
         }
         if (point->predicted && point->analytic.exists[q])
             printf("%13.6e %13.6e %9.1e", point->analytic.rmse[q].value, norms->rmse,
-                   point->analytic.rmse[q].bound + norms->bound);
+                   point->analytic.rmse[q].bound + point->interval[q]);
         else
             printf("%13s %13.6e %9.1e", "-", norms->rmse, norms->bound);
         if (point->interior[q].counted)
@@ -219,7 +219,7 @@ static json_t *quantity_json(const struct error_box *of, const sphv_box_point *p
     json_object_set_new(excluded, "exact-undefined",
                         json_integer((json_int_t)norms->exact_undefined));
     return json_pack(
-        "{s:s, s:{s:o, s:o, s:o}, s:{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:I, s:o}, s:s}",
+        "{s:s, s:{s:o, s:o, s:o}, s:{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:I, s:o}, s:s}",
         "quantity", name, "analytic", "rmse", prediction_json(point, q, point->analytic.rmse),
         "interior", prediction_json(point, q, point->analytic.interior), "bound",
         point->predicted && point->analytic.exists[q]
@@ -227,10 +227,11 @@ static json_t *quantity_json(const struct error_box *of, const sphv_box_point *p
             : json_null(),
         "empirical", "rmse", norm_json(norms, norms->rmse), "interior",
         point->interior[q].counted ? sphv_json_number(point->interior[q].rmse) : json_null(),
-        "bound", norm_json(norms, norms->bound), "mae", norm_json(norms, norms->mae), "maximum",
-        norm_json(norms, norms->maximum), "mean_square", norm_json(norms, norms->mean_square),
-        "standard_deviation", norm_json(norms, norms->standard_deviation), "counted",
-        (json_int_t)norms->counted, "excluded", excluded, "verdict", verdict_of(point, q));
+        "bound", norm_json(norms, norms->bound), "interval", norm_json(norms, point->interval[q]),
+        "mae", norm_json(norms, norms->mae), "maximum", norm_json(norms, norms->maximum),
+        "mean_square", norm_json(norms, norms->mean_square), "standard_deviation",
+        norm_json(norms, norms->standard_deviation), "counted", (json_int_t)norms->counted,
+        "excluded", excluded, "verdict", verdict_of(point, q));
 }
 
 static json_t *as_json(const struct error_box *of, const sphv_box_point *point)

@@ -23,16 +23,19 @@ sphv_verdict sphv_compare(sphv_result analytic, sphv_result empirical, double sc
     return bound <= 0.01 * fabs(scale) ? SPHV_AGREES : SPHV_INCONCLUSIVE;
 }
 
+double sphv_norm_interval(double rmse, double bound, sphv_rigour rigour, size_t count,
+                          size_t neighbours)
+{
+    if (rigour != SPHV_RIGOUR_STATISTICAL) return bound;
+    return bound + 3.29 * rmse * sqrt((double)neighbours / (2 * (double)count));
+}
+
 sphv_verdict sphv_compare_norm(sphv_result analytic, sphv_rigour rigour, double rmse, double bound,
                                size_t count, size_t neighbours, double scale)
 {
-    sphv_result empirical = {rmse, bound};
-    if (rigour == SPHV_RIGOUR_STATISTICAL) {
-        // Half of the 99.9 % interval over one realisation.
-        empirical.bound += 3.29 * rmse * sqrt((double)neighbours / (2 * (double)count));
-        // A realisation knows a root mean square to 20 % at best; a larger error of theory must not
-        // go unnoticed.
-        scale = 20 * rmse;
-    }
+    sphv_result empirical = {rmse, sphv_norm_interval(rmse, bound, rigour, count, neighbours)};
+    // A realisation knows a root mean square to 20 % at best; a larger error of theory must not go
+    // unnoticed.
+    if (rigour == SPHV_RIGOUR_STATISTICAL) scale = 20 * rmse;
     return sphv_compare(analytic, empirical, scale);
 }
