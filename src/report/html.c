@@ -11,6 +11,20 @@ void sphv_html_verdict(FILE *stream, sphv_verdict verdict)
     fprintf(stream, "<span class=\"v %s\">%s</span>", name, name);
 }
 
+void sphv_html_scene_head(FILE *stream, const char *anchor, size_t index, const char *title,
+                          const char *name, sphv_verdict verdict, const char *source)
+{
+    fprintf(stream, "<article id=\"%s-%zu\"><h3>", anchor, index);
+    sphv_put_html(stream, title);
+    fputs(" (<code>", stream);
+    sphv_put_html(stream, name);
+    fputs("</code>)</h3>\n<p>Verdict: ", stream);
+    sphv_html_verdict(stream, verdict);
+    fputs(" <span class=soft>Source: ", stream);
+    sphv_put_html(stream, source);
+    fputs("</span></p>\n", stream);
+}
+
 void sphv_html_number(FILE *stream, double value, int digits)
 {
     char text[SPHV_NUMBER_TEXT];

@@ -14,6 +14,11 @@ extern const char *const sphv_html_style[];
 /// A verdict as a word with its colour.
 void sphv_html_verdict(FILE *stream, sphv_verdict verdict);
 
+/// Begins the article of a scene: its title, name, verdict and source.
+/// \param anchor what its address in the page begins with, before `-index`
+void sphv_html_scene_head(FILE *stream, const char *anchor, size_t index, const char *title,
+                          const char *name, sphv_verdict verdict, const char *source);
+
 /// A number, never broken across lines.
 void sphv_html_number(FILE *stream, double value, int digits);
 

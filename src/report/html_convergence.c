@@ -345,15 +345,8 @@ void sphv_html_convergence(FILE *stream, const sphv_rendering *rendering, size_t
 {
     const sphv_convergence_result *result = rendering->report->convergences[index];
     const sphv_convergence *scene = result->scene;
-    fprintf(stream, "<article id=\"rates-%zu\"><h3>", index);
-    sphv_put_html(stream, scene->title);
-    fputs(" (<code>", stream);
-    sphv_put_html(stream, scene->name);
-    fputs("</code>)</h3>\n<p>Verdict: ", stream);
-    sphv_html_verdict(stream, result->verdict);
-    fputs(" <span class=soft>Source: ", stream);
-    sphv_put_html(stream, scene->source);
-    fputs("</span></p>\n", stream);
+    sphv_html_scene_head(stream, "rates", index, scene->title, scene->name, result->verdict,
+                         scene->source);
     sphv_html_paragraphs(stream, scene->notes, "note");
     if (scene->listed) put_listed(stream, result);
     if (scene->table) {

@@ -183,15 +183,8 @@ void sphv_html_scene(FILE *stream, const sphv_rendering *rendering, size_t index
 {
     const sphv_scene_result *result = rendering->report->scenes[index];
     const sphv_scene *scene = result->scene;
-    fprintf(stream, "<article id=\"scene-%zu\"><h3>", index);
-    sphv_put_html(stream, scene->title);
-    fputs(" (<code>", stream);
-    sphv_put_html(stream, scene->name);
-    fputs("</code>)</h3>\n<p>Verdict: ", stream);
-    sphv_html_verdict(stream, result->verdict);
-    fputs(" <span class=soft>Source: ", stream);
-    sphv_put_html(stream, scene->source);
-    fputs("</span></p>\n", stream);
+    sphv_html_scene_head(stream, "scene", index, scene->title, scene->name, result->verdict,
+                         scene->source);
     sphv_html_figure(stream, rendering, rendering->scene_plots[index], caption(result));
     sphv_html_paragraphs(stream, scene->notes, "note");
     put_claims(stream, result);

@@ -21,6 +21,17 @@ void sphv_markdown_text_cell(FILE *stream, const char *text)
     fputs(" | ", stream);
 }
 
+void sphv_markdown_claim_end(FILE *stream, const char *reason, bool surprising, const char *refuted)
+{
+    sphv_markdown_text_cell(stream, reason);
+    if (surprising) fputs("**not as expected** ", stream);
+    if (refuted) {
+        fputs("known not to hold: ", stream);
+        sphv_put_markdown(stream, refuted);
+    }
+    fputs(" |\n", stream);
+}
+
 static void verdict_cell(FILE *stream, sphv_verdict verdict)
 {
     fprintf(stream, "%s | ", sphv_verdict_name(verdict));
@@ -149,13 +160,7 @@ static void put_claim(FILE *stream, const sphv_claim *claim, const sphv_claim_re
         sphv_markdown_number(stream, claim->tolerance, 2);
     }
     fputs(" | ", stream);
-    sphv_markdown_text_cell(stream, claim->reason);
-    if (found->surprising) fputs("**not as expected** ", stream);
-    if (claim->refuted) {
-        fputs("known not to hold: ", stream);
-        sphv_put_markdown(stream, claim->refuted);
-    }
-    fputs(" |\n", stream);
+    sphv_markdown_claim_end(stream, claim->reason, found->surprising, claim->refuted);
 }
 
 static void put_scene(FILE *stream, const sphv_scene_result *result)

@@ -11,6 +11,11 @@ void sphv_markdown_number(FILE *stream, double value, int digits);
 /// A number, data from outside, counts of points: each with the end of its cell.
 void sphv_markdown_number_cell(FILE *stream, double value, int digits);
 void sphv_markdown_text_cell(FILE *stream, const char *text);
+
+/// Ends the row of a claim: the reason of its tolerance, and remarks.
+/// \param refuted why it is known not to hold; may be NULL
+void sphv_markdown_claim_end(FILE *stream, const char *reason, bool surprising,
+                             const char *refuted);
 void sphv_markdown_tally_cell(FILE *stream, const size_t counts[3]);
 
 /// Volume rules side by side, and failures by method.

@@ -123,13 +123,7 @@ static void put_claims(FILE *stream, const sphv_convergence_result *result)
         sphv_markdown_number(stream, claim->expected, 6);
         fputs(" ± ", stream);
         sphv_markdown_number_cell(stream, claim->tolerance, 2);
-        sphv_markdown_text_cell(stream, claim->reason);
-        if (found->surprising) fputs("**not as expected** ", stream);
-        if (claim->refuted) {
-            fputs("known not to hold: ", stream);
-            sphv_put_markdown(stream, claim->refuted);
-        }
-        fputs(" |\n", stream);
+        sphv_markdown_claim_end(stream, claim->reason, found->surprising, claim->refuted);
     }
 }
 
