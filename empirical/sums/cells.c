@@ -129,7 +129,7 @@ static void put_source(sphv_cell_grid *grid, const struct source *source, void *
 
 /// Cells along each axis for particles spread over these lengths. Axes along which there is hardly
 /// more than one row's thickness get one cell and do not count.
-static void choose_cells(sphv_cell_grid *grid, const struct extent *extent)
+static void choose_cells(sphv_cell_grid *grid, const struct extent *extent, double thickness)
 {
     int d = grid->dimension, counted = d;
     bool flat[SPHV_DIMENSIONS] = {false, false, false};
@@ -147,7 +147,8 @@ static void choose_cells(sphv_cell_grid *grid, const struct extent *extent)
         for (int i = 0; i < d; i++)
             if (extent->high[i] - extent->low[i] <= spacing) flat[i] = true;
     }
-    double thickness = counted > 1 ? THICKNESS[counted - 1] : 1;
+    if (counted <= 1) thickness = 1;
+    if (!(thickness > 0)) thickness = THICKNESS[counted - 1];
     double most = fmin(2 * (double)grid->count + 16, 4e9); // places fit 32 bits
     for (int i = d - 1; i >= 0; i--) {
         double length = extent->high[i] - extent->low[i];
@@ -205,7 +206,7 @@ static void survey_rows(sphv_cell_grid *grid, size_t rows)
 }
 
 sphv_status sphv_cell_grid_make(sphv_cell_grid *grid, const sphv_particles *particles,
-                                double radius, sphv_error *error)
+                                double radius, double thickness, sphv_error *error)
 {
     int exponent;
     frexp(radius, &exponent);
@@ -225,7 +226,7 @@ sphv_status sphv_cell_grid_make(sphv_cell_grid *grid, const sphv_particles *part
             return sphv_fail(error, SPHV_INVALID_INPUT,
                              "particles are spread over more than 1e15 support radii: their "
                              "coordinates do not tell which are neighbours");
-    if (grid->count) choose_cells(grid, &extent);
+    if (grid->count) choose_cells(grid, &extent, thickness);
     size_t rows = grid->cells[1] * grid->cells[2];
     uint32_t *cell = sphv_room(grid->count, sizeof *cell);
     if (!allocate_cells(grid, rows) || !cell) {
@@ -276,6 +277,25 @@ static void find_sure(const sphv_cell_grid *grid, const sphv_row *row, const uin
     range->sure_to = sure_to;
 }
 
+bool sphv_cell_grid_range(const sphv_cell_grid *grid, size_t row, const double low[SPHV_DIMENSIONS],
+                          const double high[SPHV_DIMENSIONS], double limit, sphv_range *range)
+{
+    const sphv_row *of = &grid->row[row];
+    const uint32_t *start = grid->start + row * grid->cells[0];
+    double room = 4 * SPHV_U * (fabs(low[0]) + fabs(high[0])), square = 0;
+    for (int i = 1; i < grid->dimension; i++) {
+        double apart = gap(low[i], high[i], of->low[i], of->high[i]);
+        square += apart * apart;
+    }
+    if (!(square < limit)) return false;
+    double chord = sqrt(limit - square * (1 - 8 * SPHV_U)) * (1 + 8 * SPHV_U);
+    range->from = start[cell_of(grid, 0, low[0] - chord - room)];
+    range->to = start[cell_of(grid, 0, high[0] + chord + room) + 1];
+    if (range->from >= range->to) return false;
+    find_sure(grid, of, start, low, high, limit, room, range);
+    return true;
+}
+
 size_t sphv_cell_grid_ranges(const sphv_cell_grid *grid, const double low[SPHV_DIMENSIONS],
                              const double high[SPHV_DIMENSIONS], double limit, sphv_range *ranges)
 {
@@ -287,25 +307,9 @@ size_t sphv_cell_grid_ranges(const sphv_cell_grid *grid, const double low[SPHV_D
         first[i] = cell_of(grid, i, low[i] - radius - room);
         last[i] = cell_of(grid, i, high[i] + radius + room);
     }
-    double room = 4 * SPHV_U * (fabs(low[0]) + fabs(high[0]));
-    for (size_t z = first[2]; z <= last[2]; z++) {
-        for (size_t y = first[1]; y <= last[1]; y++) {
-            size_t r = z * grid->cells[1] + y;
-            const sphv_row *row = &grid->row[r];
-            double square = 0;
-            for (int i = 1; i < grid->dimension; i++) {
-                double apart = gap(low[i], high[i], row->low[i], row->high[i]);
-                square += apart * apart;
-            }
-            if (!(square < limit)) continue;
-            double chord = sqrt(limit - square * (1 - 8 * SPHV_U)) * (1 + 8 * SPHV_U);
-            const uint32_t *start = grid->start + r * grid->cells[0];
-            size_t from = start[cell_of(grid, 0, low[0] - chord - room)];
-            size_t to = start[cell_of(grid, 0, high[0] + chord + room) + 1];
-            if (from >= to) continue;
-            ranges[count] = (sphv_range){.from = from, .to = to};
-            find_sure(grid, row, start, low, high, limit, room, &ranges[count++]);
-        }
-    }
+    for (size_t z = first[2]; z <= last[2]; z++)
+        for (size_t y = first[1]; y <= last[1]; y++)
+            count += sphv_cell_grid_range(grid, z * grid->cells[1] + y, low, high, limit,
+                                          &ranges[count]);
     return count;
 }

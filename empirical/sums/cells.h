@@ -33,8 +33,10 @@ typedef struct sphv_cell_grid {
 } sphv_cell_grid;
 
 /// Sorts particles. \param radius of the support
+/// \param thickness of a row in mean spacings of the particles; 0: as thick as groups of targets
+/// need that are close together
 sphv_status sphv_cell_grid_make(sphv_cell_grid *grid, const sphv_particles *particles,
-                                double radius, sphv_error *error);
+                                double radius, double thickness, sphv_error *error);
 void sphv_cell_grid_free(sphv_cell_grid *grid);
 
 /// Ranges of sources that may be within a support of any point of the box low … high.
@@ -42,5 +44,9 @@ void sphv_cell_grid_free(sphv_cell_grid *grid);
 /// \param ranges receives at most as many as there are rows. \return their number
 size_t sphv_cell_grid_ranges(const sphv_cell_grid *grid, const double low[SPHV_DIMENSIONS],
                              const double high[SPHV_DIMENSIONS], double limit, sphv_range *ranges);
+
+/// The same in one row. \return whether there are any
+bool sphv_cell_grid_range(const sphv_cell_grid *grid, size_t row, const double low[SPHV_DIMENSIONS],
+                          const double high[SPHV_DIMENSIONS], double limit, sphv_range *range);
 
 #endif

@@ -133,7 +133,7 @@ static sphv_status direct_make(struct direct *direct, const sphv_evaluation *eva
     *direct = (struct direct){.evaluation = evaluation, .passes = evaluation->passes};
     if (!direct->passes) direct->passes = *sphv_pass_sets();
     sphv_status status = sphv_cell_grid_make(&direct->grid, evaluation->particles,
-                                             request->profile->support * request->h, error);
+                                             request->profile->support * request->h, 0, error);
     if (status != SPHV_OK) return status;
     sphv_radial_make(&direct->radial, request->profile, request->h * direct->grid.unit,
                      evaluation->layout.level);
