@@ -4,21 +4,25 @@
 static const sphv_exponents one = {0, 0, 0};
 
 /// Eq. 1 and its difference form: A = Σ A_b W V_b, ∇A = −Σ A_b ∇W V_b or −Σ (A_b − A_a) ∇W V_b.
+/// Sums of the level PLAIN are these already.
 SPHV_INLINE void standard(const sphv_solve_task *task, const int d, size_t at,
                           const bool difference)
 {
     sphv_pack pack = sphv_pack_make(task, at);
     sphv_lanes condition = sphv_lanes_of(1), defect = sphv_lanes_of(0);
+    const bool plain = task->block->layout->level == SPHV_SUMS_PLAIN;
     sphv_pack_judge(&pack, &condition, &defect);
     for (size_t f = 0; f < task->request->field_count; f++) {
         sphv_bounded found[SPHV_QUANTITIES_MAX], own = sphv_own_value(&pack, f);
-        found[0] = sphv_bounded_add(sphv_bounded_multiply(own, sphv_moment(&pack, d, 0, one)),
-                                    sphv_field_sum(&pack, d, f, 0, one));
+        found[0] = sphv_field_sum(&pack, d, f, 0, one);
+        if (!plain)
+            found[0] = sphv_bounded_add(sphv_bounded_multiply(own, sphv_moment(&pack, d, 0, one)),
+                                        found[0]);
         SPHV_UNROLL
         for (int i = 0; i < d; i++) {
             sphv_exponents s_i = sphv_coordinate(i);
             sphv_bounded sum = sphv_field_sum(&pack, d, f, 1, s_i);
-            if (!difference)
+            if (!difference && !plain)
                 sum = sphv_bounded_add(sum,
                                        sphv_bounded_multiply(own, sphv_moment(&pack, d, 1, s_i)));
             found[1 + i] = sphv_bounded_scale(sum, -1);

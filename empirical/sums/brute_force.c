@@ -43,9 +43,11 @@ static void add_pair(const sphv_evaluation *evaluation, const struct radial *rad
                 sphv_sum_add(&sum[sphv_moment_index(layout, k, j)], term, 0);
             if (monomial->degree < set->field[k].from || monomial->degree > set->field[k].to)
                 continue;
-            for (size_t f = 0; f < request->field_count; f++)
+            for (size_t f = 0; f < request->field_count; f++) {
+                double own = layout->level == SPHV_SUMS_PLAIN ? 0 : request->fields[f][a];
                 sphv_sum_add(&sum[sphv_field_sum_index(layout, (int)f, k, j)],
-                             term * (request->fields[f][b] - request->fields[f][a]), 0);
+                             term * (request->fields[f][b] - own), 0);
+            }
         }
     }
 }

@@ -212,9 +212,9 @@ static void store_bounds(const struct direct *direct, struct bench *bench, size_
         worker->neighbours[at + l] = (unsigned)bench->pass.neighbours[l];
         for (int k = 0; k < 3 && direct->radial.form != SPHV_RADIAL_PROFILE; k++)
             worker->block.sums[(size_t)(layout->size_at + k) * worker->block.stride + at + l] =
-                layout->moment_at[k] < 0 ? 0
-                                         : direct->radial.size[k] * bench->pass.neighbours[l] *
-                                               direct->v_most * (1 + 8 * SPHV_U);
+                layout->field_at[k] < 0 ? 0
+                                        : direct->radial.size[k] * bench->pass.neighbours[l] *
+                                              direct->v_most * (1 + 8 * SPHV_U);
     }
 }
 
@@ -230,6 +230,7 @@ static void sum_group(const struct direct *direct, struct bench *bench, const st
            total = 0;
     for (size_t r = 0; r < ranges; r++) total += bench->ranges[r].to - bench->ranges[r].from;
     bool gathers = total <= GATHERED && direct->radial.form != SPHV_RADIAL_PROFILE;
+    bool plain = direct->evaluation->layout.level == SPHV_SUMS_PLAIN;
     int all = fields_of(direct) ? (int)fields_of(direct) : 1, d = grid->dimension;
     for (int f = 0; f < all; f += SPHV_PASS_FIELDS) {
         int fields = all - f < SPHV_PASS_FIELDS ? all - f : SPHV_PASS_FIELDS;
@@ -239,7 +240,7 @@ static void sum_group(const struct direct *direct, struct bench *bench, const st
             sources.field[j] = direct->field[j < fields ? f + j : f];
             for (uint32_t l = 0; l < SPHV_LANES_MAX; l++) {
                 uint32_t target = l < group->count ? l : group->count - 1;
-                pass->a[j][l] = sources.field[j][grid->target[group->first + target]];
+                pass->a[j][l] = plain ? 0 : sources.field[j][grid->target[group->first + target]];
             }
         }
         sphv_pass_function *function =

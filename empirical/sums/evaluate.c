@@ -134,8 +134,8 @@ double sphv_summand_rounding(const sphv_sum_layout *layout)
     return (SPHV_RADIAL_ERROR + 8 + 3 * degree) * SPHV_U;
 }
 
-/// max A − min A of each field; NULL without memory.
-static double *spread_of(const sphv_request *request, size_t count)
+/// max A − min A of each field, or max |A|; NULL without memory.
+static double *spread_of(const sphv_request *request, size_t count, bool plain)
 {
     double *spread = sphv_array(request->field_count, sizeof *spread);
     for (size_t f = 0; spread && f < request->field_count; f++) {
@@ -145,9 +145,28 @@ static double *spread_of(const sphv_request *request, size_t count)
             if (value < least) least = value;
             if (value > most) most = value;
         }
-        spread[f] = count ? (most - least) * (1 + 2 * SPHV_U) : 0;
+        spread[f] = !count  ? 0
+                    : plain ? fmax(fabs(least), fabs(most))
+                            : (most - least) * (1 + 2 * SPHV_U);
     }
     return spread;
+}
+
+/// Where standard SPH is all that is asked for, half of the sums do.
+static sphv_status evaluate_direct(const sphv_evaluation *evaluation, sphv_error *error)
+{
+    const sphv_request *request = evaluation->request;
+    sphv_evaluation plain = *evaluation;
+    for (size_t m = 0; m < request->method_count; m++)
+        if (request->methods[m] != SPHV_SPH) return sphv_evaluate_direct(evaluation, error);
+    double *spread = spread_of(request, evaluation->particles->count, true);
+    if (!spread) return sphv_fail(error, SPHV_RESOURCE_FAILURE, "out of memory");
+    plain.layout = sphv_sum_layout_make(evaluation->layout.dimension, SPHV_SUMS_PLAIN,
+                                        (int)request->field_count);
+    plain.spread = spread;
+    sphv_status status = sphv_evaluate_direct(&plain, error);
+    free(spread);
+    return status;
 }
 
 static sphv_status take_route(const sphv_evaluation *evaluation, sphv_error *error)
@@ -166,7 +185,7 @@ static sphv_status take_route(const sphv_evaluation *evaluation, sphv_error *err
         if (status != SPHV_INVALID_INPUT) return status;
     }
     *taken = SPHV_ROUTE_DIRECT;
-    return sphv_evaluate_direct(evaluation, error);
+    return evaluate_direct(evaluation, error);
 }
 
 sphv_status sphv_estimate_particles(const sphv_particles *particles, const sphv_request *request,
@@ -177,7 +196,7 @@ sphv_status sphv_estimate_particles(const sphv_particles *particles, const sphv_
     *out = (sphv_estimates){0};
     sphv_status status = check(particles, request, error);
     if (status != SPHV_OK) return status;
-    double *spread = spread_of(request, particles->count);
+    double *spread = spread_of(request, particles->count, false);
     sphv_evaluation evaluation = {
         .particles = particles,
         .request = request,

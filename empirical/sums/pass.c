@@ -1,82 +1,9 @@
-#include "pass.h"
-
-#include "vector.h"
-
-#define UNROLL _Pragma("GCC unroll 64")
+#include "pass_terms.h"
 
 enum {
-    AHEAD = 4,        ///< sources whose distances are taken before they are used
-    RING = 8,         ///< places for them
-    DEGREE_TERMS = 21 ///< monomials of degree 5 in three dimensions
+    AHEAD = 4, ///< sources whose distances are taken before they are used
+    RING = 8,  ///< places for them
 };
-
-static const sphv_sum_set sets[SPHV_SUM_LEVELS] = SPHV_SUM_SETS;
-
-/// A polynomial form known when this file is compiled, p_0 = Σ_i t_i^low (c_i0 + c_i1 t_i + …), so
-/// that its powers unroll; no knots: whatever the radial functions say.
-typedef struct shape {
-    sphv_radial_form form;
-    int knots, low, terms;
-} shape;
-
-SPHV_INLINE vec v_power(vec t, const int n)
-{
-    vec square = v_mul(t, t), result = v_set(1);
-    if (n == 1) return t;
-    if (n >= 2) result = square;
-    UNROLL for (int i = 2; i < n / 2 + 1; i++) result = v_mul(result, square);
-    return n > 1 && n % 2 ? v_mul(result, t) : result;
-}
-
-/// Σ_j term[j] t^j.
-SPHV_INLINE vec v_horner(const double *term, const int terms, vec t)
-{
-    vec sum = v_set(term[terms - 1]);
-    UNROLL for (int j = terms - 2; j >= 0; j--) sum = v_fma(sum, t, v_set(term[j]));
-    return sum;
-}
-
-SPHV_INLINE vec v_powered(const double *term, int low, int terms, vec t)
-{
-    vec sum = v_set(term[terms - 1]);
-    for (int j = terms - 2; j >= 0; j--) sum = v_fma(sum, t, v_set(term[j]));
-    for (int j = 0; j < low; j++) sum = v_mul(sum, t);
-    return sum;
-}
-
-/// v p_0, v p_1 (and v p_2) at a distance r in each lane. \param inverse 1/r, or 0
-SPHV_INLINE void radial_functions(const sphv_radial *radial, const shape known,
-                                  const sphv_radial_form form, const int functions, vec r,
-                                  vec inverse, vec v, vec w[3])
-{
-    const vec zero = v_set(0), minus_inverse_h = v_set(-radial->inverse_h);
-    if (known.knots == 1 && known.form == SPHV_RADIAL_QUOTIENT) {
-        // Beyond the edge v is 0, and t^low at most 1e200 (cells.c keeps r below 1e15 h).
-        vec t = v_fma(r, minus_inverse_h, v_set(radial->knot[0]));
-        vec common = v_mul(v, v_power(t, known.low - 1));
-        w[0] = v_mul(v_mul(common, t), v_horner(radial->term[0][0], known.terms, t));
-        w[1] = v_mul(common, v_horner(radial->term[1][0], known.terms - 1, t));
-        return;
-    }
-    UNROLL for (int k = 0; k < functions; k++) w[k] = zero;
-    const int knots = known.knots > 0 ? known.knots : radial->knots;
-    UNROLL for (int i = 0; i < knots; i++)
-    {
-        vec t = v_max(v_fma(r, minus_inverse_h, v_set(radial->knot[i])), zero);
-        if (known.knots > 0) {
-            vec common = v_power(t, known.low - 1);
-            vec value = v_horner(radial->term[0][i], known.terms, t);
-            w[0] = v_fma(v_mul(common, t), value, w[0]);
-            w[1] = v_fma(common, v_horner(radial->term[1][i], known.terms, t), w[1]);
-        } else {
-            UNROLL for (int k = 0; k < functions; k++) w[k] =
-                v_add(w[k], v_powered(radial->term[k][i], radial->low[k], radial->terms[k], t));
-        }
-    }
-    UNROLL for (int k = 0; k < functions; k++) w[k] = v_mul(w[k], v);
-    if (form == SPHV_RADIAL_SLOPE) w[1] = v_mul(w[1], inverse);
-    if (functions > 2) w[2] = v_mul(w[2], inverse);
-}
 
 /// The same from the profile, lane by lane, with sizes.
 SPHV_INLINE void profile_functions(const sphv_pass *pass, vec square, vec p[3], vec size[3])
@@ -96,24 +23,6 @@ SPHV_INLINE void profile_functions(const sphv_pass *pass, vec square, vec p[3], 
         p[k] = v_load(values[k]);
         size[k] = v_load(sizes[k]);
     }
-}
-
-/// Number of monomials of one degree.
-SPHV_INLINE int of_degree(const int dimension, const int degree)
-{
-    return dimension == 1 ? 1 : dimension == 2 ? degree + 1 : (degree + 1) * (degree + 2) / 2;
-}
-
-/// Number of monomials of degree < n.
-SPHV_INLINE int below_degree(const int dimension, const int n)
-{
-    return dimension == 1 ? n : dimension == 2 ? n * (n + 1) / 2 : n * (n + 1) * (n + 2) / 6;
-}
-
-SPHV_INLINE int of_degrees(const int dimension, const sphv_degrees degrees)
-{
-    if (degrees.from > degrees.to) return 0;
-    return below_degree(dimension, degrees.to + 1) - below_degree(dimension, degrees.from);
 }
 
 /// What one radial function adds to.
@@ -166,13 +75,6 @@ SPHV_INLINE void add_terms(const addition to, vec w, const vec d[3], const vec d
     if (degree >= 4) add_degree(to, 4, odd, even, d, da, moments, sums);
     if (degree >= 5) add_degree(to, 5, even, odd, d, da, moments, sums);
 }
-
-/// What a pass knows when it is compiled.
-typedef struct plan {
-    int dimension, fields, functions, moments, per_field, count;
-    sphv_sum_set set;
-    shape known;
-} plan;
 
 /// What is known of a source before its turn.
 typedef struct prepared {
@@ -244,14 +146,7 @@ SPHV_INLINE void run(sphv_pass *pass, size_t range_count, const sphv_range *rang
                      const int dimension, const sphv_sum_level level, const int fields,
                      const shape known)
 {
-    plan of = {.dimension = dimension, .fields = fields, .set = sets[level], .known = known};
-    of.functions = of.set.moment[2].from <= of.set.moment[2].to ? 3 : 2;
-    UNROLL for (int k = 0; k < of.functions; k++)
-    {
-        of.moments += of_degrees(dimension, of.set.moment[k]);
-        of.per_field += of_degrees(dimension, of.set.field[k]);
-    }
-    of.count = of.moments + 3 + fields * of.per_field;
+    const plan of = plan_make(dimension, level, fields, known);
     const sphv_radial_form form = known.knots > 0 ? known.form : pass->radial->form;
     prepared ahead[RING];
     vec x[3], a[2], neighbours = v_set(0);
@@ -284,13 +179,6 @@ SPHV_INLINE void run(sphv_pass *pass, size_t range_count, const sphv_range *rang
     v_store(pass->neighbours, neighbours);
 }
 
-// The shapes that are worth a loop of their own: Wendland's C2, C4 and C6, the cubic spline.
-#define SHAPE_ANY SPHV_RADIAL_PROFILE, 0, 0, 0
-#define SHAPE_C2 SPHV_RADIAL_QUOTIENT, 1, 4, 2
-#define SHAPE_C4 SPHV_RADIAL_QUOTIENT, 1, 6, 3
-#define SHAPE_C6 SPHV_RADIAL_QUOTIENT, 1, 8, 4
-#define SHAPE_CUBIC SPHV_RADIAL_SLOPE, 2, 3, 1
-
 #define PASS(d, level, fields, name)                                                               \
     static void pass_##d##_##level##_##fields##_##name(sphv_pass *pass, size_t count,              \
                                                        const sphv_range *ranges)                   \
@@ -298,49 +186,27 @@ SPHV_INLINE void run(sphv_pass *pass, size_t range_count, const sphv_range *rang
         run(pass, count, ranges, d, SPHV_SUMS_##level, fields, (shape){SHAPE_##name});             \
     }
 #define ROW(d, level, fields, name)                                                                \
-    {d, SPHV_SUMS_##level, fields, {SHAPE_##name}, pass_##d##_##level##_##fields##_##name},
+    {{d, SPHV_SUMS_##level, fields, {SHAPE_##name}}, pass_##d##_##level##_##fields##_##name},
 
-// Special shapes first: the first row that fits is taken.
-#define BOTH_FIELDS(X, d, level, name) X(d, level, 1, name) X(d, level, 2, name)
-#define LOW(X, d, name) BOTH_FIELDS(X, d, STANDARD, name) BOTH_FIELDS(X, d, FIRST, name)
 #define DIMENSION(X, d)                                                                            \
     LOW(X, d, ANY)                                                                                 \
     X(d, REPRODUCING, 2, ANY)                                                                      \
     X(d, SECOND, 2, ANY)                                                                           \
     X(d, ALL, 2, ANY)
-#if defined(__x86_64__) && !defined(__AVX2__)
-#define SPECIAL(X, d) // few processors of this kind are left without AVX2
-#else
-#define SPECIAL(X, d) LOW(X, d, C2) LOW(X, d, C4) LOW(X, d, C6) LOW(X, d, CUBIC)
-#endif
 #define EVERY(X) SPECIAL(X, 2) SPECIAL(X, 3) DIMENSION(X, 1) DIMENSION(X, 2) DIMENSION(X, 3)
 
 EVERY(PASS)
 
 static const struct {
-    int dimension;
-    sphv_sum_level level;
-    int fields;
-    shape known;
+    pass_row row;
     sphv_pass_function *pass;
 } passes[] = {EVERY(ROW)};
-
-static bool fits(const shape *known, const sphv_radial *radial)
-{
-    if (known->knots == 0) return true;
-    return known->form == radial->form && known->knots == radial->knots &&
-           known->low == radial->low[0] && known->terms == radial->terms[0] &&
-           radial->low[1] == known->low - 1 &&
-           radial->terms[1] == known->terms - (known->form == SPHV_RADIAL_QUOTIENT);
-}
 
 static sphv_pass_function *choose(int dimension, sphv_sum_level level, int fields,
                                   const sphv_radial *radial)
 {
     for (size_t i = 0; i < sizeof passes / sizeof *passes; i++)
-        if (passes[i].dimension == dimension && passes[i].level == level &&
-            passes[i].fields >= fields && fits(&passes[i].known, radial))
-            return passes[i].pass;
+        if (suits(&passes[i].row, dimension, level, fields, radial)) return passes[i].pass;
     return NULL;
 }
 

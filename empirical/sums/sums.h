@@ -22,6 +22,9 @@ typedef struct sphv_degrees {
 /// A set of sums that belong together, in ascending cost. A request takes the first that covers
 /// all its methods.
 typedef enum sphv_sum_level {
+    /// sph alone, by the direct route: its sums are over A_b itself wherever δA is written, so that
+    /// no moments are needed
+    SPHV_SUMS_PLAIN,
     SPHV_SUMS_STANDARD,    ///< sph, sph-difference, shepard, rkpm-0
     SPHV_SUMS_FIRST,       ///< bonet-lok, cspm, fpm
     SPHV_SUMS_REPRODUCING, ///< rkpm
@@ -39,6 +42,7 @@ typedef struct sphv_sum_set {
 /// they are compiled.
 #define SPHV_SUM_SETS                                                                              \
     {                                                                                              \
+        [SPHV_SUMS_PLAIN] = {{{0, -1}, {1, 0}, {0, -1}}, {{0, 0}, {1, 1}, {0, -1}}},               \
         [SPHV_SUMS_STANDARD] = {{{0, 0}, {1, 1}, {0, -1}}, {{0, 0}, {1, 1}, {0, -1}}},             \
         [SPHV_SUMS_FIRST] = {{{0, 1}, {1, 2}, {0, -1}}, {{0, 0}, {1, 1}, {0, -1}}},                \
         [SPHV_SUMS_REPRODUCING] = {{{0, 2}, {1, 3}, {0, -1}}, {{0, 1}, {1, 2}, {0, -1}}},          \
@@ -50,7 +54,7 @@ extern const sphv_sum_set sphv_sum_sets[SPHV_SUM_LEVELS];
 /// The lowest level that covers a method.
 sphv_sum_level sphv_method_level(sphv_method method);
 
-/// The lowest level that covers all methods of a request.
+/// The lowest level that covers all methods of a request, by any route.
 sphv_sum_level sphv_request_level(const sphv_request *request);
 
 /// Where each sum of a level stands: moments first, then the sums of each field in turn. Within a
@@ -94,7 +98,8 @@ typedef struct sphv_sum_block {
     /// Relative error of each summand and of the accumulation: the sum Σ v p_k s^α δA is in error
     /// by at most rounding[i] Σ v|p_k| q^m max|s^α/q^m δA|, m the lowest degree as in `size_at`.
     const double *rounding;
-    /// Per field: |A_b − A_a| of any pair within the support is at most this; max A − min A serves.
+    /// Per field: |δA| of any pair within the support is at most this; max A − min A serves, and
+    /// max |A| at the level PLAIN.
     const double *spread;
 } sphv_sum_block;
 
