@@ -1,0 +1,100 @@
+#include "sorted.h"
+
+#include <stdlib.h>
+
+#include "../internal.h"
+#include "memory.h"
+
+static bool make_sources(sphv_sorted *sorted)
+{
+    const sphv_cell_grid *grid = &sorted->grid;
+    const sphv_request *request = sorted->evaluation->request;
+    size_t n = grid->count ? grid->count : 1;
+    double unit = 1;
+    for (int i = 0; i < grid->dimension; i++) unit *= request->h;
+    sorted->v = grid->volume;
+    // A pass has at least one field; without any it gets one that is nowhere different.
+    size_t fields = sorted->fields ? sorted->fields : 1;
+    sorted->field = calloc(fields, sizeof *sorted->field);
+    bool enough = sorted->field != NULL;
+    for (size_t f = 0; enough && f < fields; f++)
+        enough = (sorted->field[f] = sorted->fields ? sphv_room(n, sizeof(double))
+                                                    : sphv_array(n, sizeof(double))) != NULL;
+    if (!enough) return false;
+    for (size_t b = 0; b < grid->count; b++) {
+        sorted->v[b] /= unit;
+        sorted->v_most = fmax(sorted->v_most, fabs(sorted->v[b]));
+        for (size_t f = 0; f < sorted->fields; f++)
+            sorted->field[f][b] = request->fields[f][grid->particle[b]];
+    }
+    return true;
+}
+
+/// (1/h)^|α| of each sum.
+static bool make_scale(sphv_sorted *sorted)
+{
+    const sphv_sum_layout *layout = &sorted->evaluation->layout;
+    const sphv_sum_set *set = &sphv_sum_sets[layout->level];
+    const sphv_monomial *monomials = sphv_monomials(layout->dimension);
+    sorted->scale = malloc((size_t)layout->count * sizeof *sorted->scale);
+    if (!sorted->scale) return false;
+    for (int k = 0; k < layout->count; k++) sorted->scale[k] = 1;
+    for (int k = 0; k < 3; k++) {
+        const sphv_degrees *moment = &set->moment[k], *field = &set->field[k];
+        int to = moment->to > field->to ? moment->to : field->to;
+        int count = (int)sphv_monomial_count(layout->dimension, to);
+        for (int j = 0; j < count; j++) {
+            int degree = monomials[j].degree;
+            double scale = pow(sorted->radial.h, -degree);
+            if (degree >= moment->from && degree <= moment->to)
+                sorted->scale[sphv_moment_index(layout, k, j)] = scale;
+            for (size_t f = 0; degree >= field->from && degree <= field->to && f < sorted->fields;
+                 f++)
+                sorted->scale[sphv_field_sum_index(layout, (int)f, k, j)] = scale;
+        }
+    }
+    return true;
+}
+
+void sphv_sorted_free(sphv_sorted *sorted)
+{
+    for (size_t f = 0; sorted->field && f < (sorted->fields ? sorted->fields : 1); f++)
+        free(sorted->field[f]);
+    free(sorted->field);
+    free(sorted->scale);
+    sphv_cell_grid_free(&sorted->grid);
+}
+
+sphv_status sphv_sorted_make(sphv_sorted *sorted, const sphv_evaluation *evaluation,
+                             double thickness, sphv_error *error)
+{
+    const sphv_request *request = evaluation->request;
+    *sorted = (sphv_sorted){.evaluation = evaluation, .fields = request->field_count};
+    sphv_status status =
+        sphv_cell_grid_make(&sorted->grid, evaluation->particles,
+                            request->profile->support * request->h, thickness, error);
+    if (status != SPHV_OK) return status;
+    sphv_radial_make(&sorted->radial, request->profile, request->h * sorted->grid.unit,
+                     evaluation->layout.level);
+    if (make_sources(sorted) && make_scale(sorted)) return SPHV_OK;
+    sphv_sorted_free(sorted);
+    return sphv_fail(error, SPHV_RESOURCE_FAILURE, "out of memory for %zu particles",
+                     evaluation->particles->count);
+}
+
+void sphv_sorted_bound(const sphv_sorted *sorted, sphv_worker *worker, size_t at, size_t count,
+                       const double *neighbours, double depth)
+{
+    const sphv_sum_layout *layout = &sorted->evaluation->layout;
+    double rounding = sphv_summand_rounding(layout) + (depth + 2) * SPHV_U;
+    for (size_t i = 0; i < count; i++) {
+        worker->rounding[at + i] = rounding;
+        worker->neighbours[at + i] = (unsigned)neighbours[i];
+    }
+    for (int k = 0; k < 3 && sorted->radial.form != SPHV_RADIAL_PROFILE; k++) {
+        double *size = worker->block.sums + (size_t)(layout->size_at + k) * worker->block.stride;
+        double largest = sorted->radial.size[k] * sorted->v_most * (1 + 8 * SPHV_U);
+        for (size_t i = 0; i < count; i++)
+            size[at + i] = layout->field_at[k] < 0 ? 0 : largest * neighbours[i];
+    }
+}
