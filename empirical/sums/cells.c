@@ -9,6 +9,8 @@
 
 /// Targets in a group should be close together: a row is as thick as the square or cube that holds
 /// SPHV_LANES_MAX particles, and cells are as long as one particle needs.
+enum { SPARE = 32 }; ///< places behind the sources that a vector may read
+
 static const double THICKNESS[SPHV_DIMENSIONS] = {0, 2.83, 2};
 
 void sphv_cell_grid_free(sphv_cell_grid *grid)
@@ -171,8 +173,12 @@ static bool allocate_cells(sphv_cell_grid *grid, size_t rows)
 {
     bool enough = true;
     for (int i = 0; i < grid->dimension; i++)
-        enough = (grid->x[i] = sphv_room(grid->count, sizeof(double))) && enough;
-    grid->volume = sphv_room(grid->count, sizeof(double));
+        enough = (grid->x[i] = sphv_room(grid->count + SPARE, sizeof(double))) && enough;
+    grid->volume = sphv_room(grid->count + SPARE, sizeof(double));
+    for (int n = 0; enough && grid->volume && n < SPARE; n++) {
+        for (int i = 0; i < grid->dimension; i++) grid->x[i][grid->count + (size_t)n] = 0;
+        grid->volume[grid->count + (size_t)n] = 0;
+    }
     grid->particle = sphv_room(grid->count, sizeof(uint32_t));
     grid->target = sphv_room(grid->targets, sizeof(uint32_t));
     grid->start = sphv_array(rows * grid->cells[0] + 2, sizeof(uint32_t));

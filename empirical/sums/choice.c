@@ -1,5 +1,7 @@
 /// Which route is the faster.
+#include "half_pairs.h"
 #include <gsl/gsl_math.h>
+#include <stdlib.h>
 
 #include "../internal.h"
 #include "evaluation.h"
@@ -70,4 +72,11 @@ bool sphv_convolution_wins(const sphv_evaluation *evaluation)
     double convolution = of.points * of.transforms * (14 * d + 12) + 12 * of.count * arrays +
                          20 * cells * (of.moments + 7) + 400 * gsl_pow_int(of.reach + 1, d);
     return memory < MEMORY_MAX && error < ERROR_MAX && convolution < direct;
+}
+
+bool sphv_half_pairs_win(const sphv_evaluation *evaluation)
+{
+    const char *t = getenv("HALF");
+    return t && atoi(t) && evaluation->layout.level <= SPHV_SUMS_FIRST &&
+           evaluation->layout.dimension > 1 && !evaluation->particles->periodic;
 }

@@ -5,6 +5,7 @@
 
 #include "../internal.h"
 #include "evaluation.h"
+#include "half_pairs.h"
 #include "memory.h"
 
 static double now(void)
@@ -152,19 +153,25 @@ static double *spread_of(const sphv_request *request, size_t count, bool plain)
     return spread;
 }
 
+static sphv_status visit_pairs(const sphv_evaluation *evaluation, sphv_error *error)
+{
+    return sphv_half_pairs_win(evaluation) ? sphv_evaluate_half_pairs(evaluation, error)
+                                           : sphv_evaluate_direct(evaluation, error);
+}
+
 /// Where standard SPH is all that is asked for, half of the sums do.
 static sphv_status evaluate_direct(const sphv_evaluation *evaluation, sphv_error *error)
 {
     const sphv_request *request = evaluation->request;
     sphv_evaluation plain = *evaluation;
     for (size_t m = 0; m < request->method_count; m++)
-        if (request->methods[m] != SPHV_SPH) return sphv_evaluate_direct(evaluation, error);
+        if (request->methods[m] != SPHV_SPH) return visit_pairs(evaluation, error);
     double *spread = spread_of(request, evaluation->particles->count, true);
     if (!spread) return sphv_fail(error, SPHV_RESOURCE_FAILURE, "out of memory");
     plain.layout = sphv_sum_layout_make(evaluation->layout.dimension, SPHV_SUMS_PLAIN,
                                         (int)request->field_count);
     plain.spread = spread;
-    sphv_status status = sphv_evaluate_direct(&plain, error);
+    sphv_status status = visit_pairs(&plain, error);
     free(spread);
     return status;
 }

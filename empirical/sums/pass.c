@@ -31,13 +31,12 @@ typedef struct addition {
     sphv_degrees moment, field;
 } addition;
 
-/// Monomials of degree n times w, from those of degree n − 1 and in the order of the table: all of
-/// them times x, those without x times y, and the last times z. Adds them to the moments, and times
+/// Monomials of degree n times w, from those of degree n − 1. Adds them to the moments, and times
 /// δA to the field sums.
 SPHV_INLINE void add_degree(const addition to, const int n, const vec *before, vec *now,
                             const vec d[3], const vec da[2], vec *moments, vec *sums)
 {
-    const int count = of_degree(to.dimension, n), earlier = n ? of_degree(to.dimension, n - 1) : 0;
+    const int count = of_degree(to.dimension, n);
     const bool in_moments = n >= to.moment.from && n <= to.moment.to;
     const bool in_sums = n >= to.field.from && n <= to.field.to;
     const int moment_at = of_degrees(to.dimension, (sphv_degrees){to.moment.from, n - 1});
@@ -47,8 +46,7 @@ SPHV_INLINE void add_degree(const addition to, const int n, const vec *before, v
     const int made = n > 0 ? count : 0;
     UNROLL for (int j = 0; j < made; j++)
     {
-        const int axis = j < earlier ? 0 : to.dimension == 3 && j == count - 1 ? 2 : 1;
-        const int parent = axis == 0 ? j : axis == 1 && to.dimension == 3 ? j - n : earlier - 1;
+        const int axis = last_axis(to.dimension, n, j), parent = parent_of(to.dimension, n, j);
         if (last && !in_sums)
             moments[moment_at + j] = v_fma(before[parent], d[axis], moments[moment_at + j]);
         else
@@ -254,4 +252,5 @@ static size_t gather(const sphv_sources *from, int dimension, int fields,
     return kept;
 }
 
-const sphv_pass_set SPHV_PASS_SET = {SPHV_PASS_SET_NAME, LANES, choose, gather};
+const sphv_pass_set PASS_NAME(sphv_passes) = {SPHV_PASS_SET_NAME, LANES, choose, gather,
+                                              PASS_NAME(sphv_choose_half)};

@@ -41,6 +41,31 @@ typedef struct sphv_pass {
 
 typedef void sphv_pass_function(sphv_pass *pass, size_t count, const sphv_range *ranges);
 
+/// A target, and the sources of one row that may be its neighbours.
+typedef struct sphv_half_target {
+    size_t at;
+    sphv_range range;
+} sphv_half_target;
+
+/// Pairs that are visited once: targets one after the other, sources of one row in the lanes of a
+/// vector. The pass adds to the sums of both. Its sums are the moments and then those of each
+/// field, without sizes in between.
+typedef struct sphv_half_pass {
+    const sphv_radial *radial;
+    sphv_sources sources; ///< at the level PLAIN, fields are v A; arrays have 8 places to spare
+    size_t count;
+    const sphv_half_target *target;
+    double *total; ///< sum k of target a: total[k * stride + a]
+    size_t stride;
+    double *row; ///< sum k of source b: row[k * room + b − first]
+    size_t first, room;
+    double *neighbours; ///< of the i-th target: those met in this pass
+    double *met;        ///< of source b − first, but for what `sure` knows
+    double *sure;       ///< runs of sources met: 1 where one begins, −1 behind its end
+} sphv_half_pass;
+
+typedef void sphv_half_pass_function(sphv_half_pass *pass);
+
 /// The sources of some ranges whose distance from a box may be below `limit`, copied one after the
 /// other. \param limit squared. \return their number
 typedef size_t sphv_gather_function(const sphv_sources *from, int dimension, int fields,
@@ -56,6 +81,9 @@ typedef struct sphv_pass_set {
     sphv_pass_function *(*choose)(int dimension, sphv_sum_level level, int fields,
                                   const sphv_radial *radial);
     sphv_gather_function *gather;
+    /// \return the pass that visits pairs once, NULL where there is none
+    sphv_half_pass_function *(*choose_half)(int dimension, sphv_sum_level level, int fields,
+                                            const sphv_radial *radial);
 } sphv_pass_set;
 
 /// Instruction sets that this processor has, best first, ended by NULL.

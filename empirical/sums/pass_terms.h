@@ -8,6 +8,11 @@
 #include "pass.h"
 #include "vector.h"
 
+// A name of this instruction set's own.
+#define PASS_JOIN_(name, set) name##_##set
+#define PASS_JOIN(name, set) PASS_JOIN_(name, set)
+#define PASS_NAME(name) PASS_JOIN(name, SPHV_PASS_SET)
+
 #define UNROLL _Pragma("GCC unroll 64")
 
 enum { DEGREE_TERMS = 21 }; ///< monomials of degree 5 in three dimensions
@@ -98,6 +103,19 @@ SPHV_INLINE int of_degrees(const int dimension, const sphv_degrees degrees)
     return below_degree(dimension, degrees.to + 1) - below_degree(dimension, degrees.from);
 }
 
+/// Monomials of degree n in the order of the table come from those of degree n − 1: all of them
+/// times x, those without x times y, and the last times z. The j-th is its parent times this axis.
+SPHV_INLINE int last_axis(const int dimension, const int n, const int j)
+{
+    const int earlier = of_degree(dimension, n - 1);
+    return j < earlier ? 0 : dimension == 3 && j == of_degree(dimension, n) - 1 ? 2 : 1;
+}
+SPHV_INLINE int parent_of(const int dimension, const int n, const int j)
+{
+    const int axis = last_axis(dimension, n, j);
+    return axis == 0 ? j : axis == 1 && dimension == 3 ? j - n : of_degree(dimension, n - 1) - 1;
+}
+
 /// What a pass knows when it is compiled.
 typedef struct plan {
     int dimension, fields, functions, moments, per_field, count;
@@ -160,5 +178,9 @@ SPHV_INLINE bool suits(const pass_row *row, int dimension, sphv_sum_level level,
     return row->dimension == dimension && row->level == level && row->fields >= fields &&
            fits(&row->known, radial);
 }
+
+/// The half pass of this instruction set (half_pass.c).
+sphv_half_pass_function *PASS_NAME(sphv_choose_half)(int dimension, sphv_sum_level level,
+                                                     int fields, const sphv_radial *radial);
 
 #endif

@@ -80,6 +80,18 @@ SPHV_INLINE vec v_count(vec n, mask m)
 {
     return _mm512_mask_add_pd(n, m, n, v_set(1));
 }
+SPHV_INLINE mask v_both(mask a, mask b)
+{
+    return a & b;
+}
+SPHV_INLINE mask v_first(size_t n)
+{
+    return n < LANES ? (mask)((1u << n) - 1) : (mask)0xff;
+} ///< of the first n lanes
+SPHV_INLINE double v_total(vec a)
+{
+    return _mm512_reduce_add_pd(a);
+} ///< over lanes
 
 /// Root and inverse root, 0 for 0, without the divider: an estimate good to 14 bits, and a series
 /// in what is left of 1 − a y², to which its fifth term would add 0.3 u. Each is wrong by 2 u at
@@ -162,6 +174,18 @@ SPHV_INLINE vec v_count(vec n, mask m)
 {
     return v_add(n, v_where(m, v_set(1)));
 }
+SPHV_INLINE mask v_both(mask a, mask b)
+{
+    return _mm256_and_pd(a, b);
+}
+SPHV_INLINE mask v_first(size_t n)
+{
+    return v_less(_mm256_set_pd(3, 2, 1, 0), v_set(n < LANES ? (double)n : LANES));
+} ///< of the first n lanes
+SPHV_INLINE double v_total(vec a)
+{
+    return (a[0] + a[1]) + (a[2] + a[3]);
+} ///< over lanes
 
 #else
 
@@ -237,6 +261,18 @@ SPHV_INLINE vec v_count(vec n, mask m)
 {
     return v_add(n, v_where(m, v_set(1)));
 }
+SPHV_INLINE mask v_both(mask a, mask b)
+{
+    return a & b;
+}
+SPHV_INLINE mask v_first(size_t n)
+{
+    return v_less((vec){0, 1, 2, 3}, v_set(n < LANES ? (double)n : LANES));
+} ///< of the first n lanes
+SPHV_INLINE double v_total(vec a)
+{
+    return (a[0] + a[1]) + (a[2] + a[3]);
+} ///< over lanes
 
 #endif
 

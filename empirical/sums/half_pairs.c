@@ -1,0 +1,281 @@
+#include "half_pairs.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "../internal.h"
+#include "memory.h"
+#include "sorted.h"
+
+enum { SPARE = 32 }; ///< places that a vector may reach over the end of a row
+
+/// Everything the threads share.
+struct half {
+    sphv_sorted sorted;
+    sphv_half_pass_function *pass;
+    size_t count;     ///< particles
+    size_t sums;      ///< of a pass: moments, and those of one or two fields
+    size_t room;      ///< in a row's scratch
+    double *total;    ///< sum k of source b: total[k * count + b]
+    double *number;   ///< neighbours of each source
+    double *depth;    ///< most additions in one visit of a pair of rows
+    double *field[2]; ///< as the pass wants them
+    size_t steps, done;
+};
+
+/// What one thread needs.
+struct visit {
+    sphv_half_pass pass;
+    sphv_half_target *target;
+    double tested;
+};
+
+/// A row's own pairs, or those with the row so much further along.
+struct offset {
+    long y, z;
+};
+
+static bool make_fields(struct half *half)
+{
+    const sphv_sorted *sorted = &half->sorted;
+    bool plain = sorted->evaluation->layout.level == SPHV_SUMS_PLAIN;
+    size_t fields = sorted->fields ? sorted->fields : 1;
+    for (size_t f = 0; f < fields; f++) {
+        half->field[f] = sphv_array(half->count + SPARE, sizeof(double));
+        if (!half->field[f]) return false;
+        for (size_t b = 0; b < half->count; b++)
+            half->field[f][b] = sorted->field[f][b] * (plain ? sorted->v[b] : 1);
+    }
+    half->field[1] = fields > 1 ? half->field[1] : half->field[0];
+    return true;
+}
+
+static void half_free(struct half *half)
+{
+    if (half->field[1] != half->field[0]) free(half->field[1]);
+    free(half->field[0]);
+    free(half->total);
+    free(half->number);
+    free(half->depth);
+    sphv_sorted_free(&half->sorted);
+}
+
+/// First source of a row.
+static size_t row_begin(const sphv_cell_grid *grid, size_t row)
+{
+    return grid->start[row * grid->cells[0]];
+}
+
+static sphv_status half_make(struct half *half, const sphv_evaluation *evaluation,
+                             sphv_error *error)
+{
+    const sphv_pass_set *set = evaluation->passes ? evaluation->passes : *sphv_pass_sets();
+    const sphv_sum_layout *layout = &evaluation->layout;
+    int fields = evaluation->request->field_count > 1 ? 2 : 1;
+    *half = (struct half){.count = evaluation->particles->count,
+                          .sums = (size_t)(layout->moments + fields * layout->per_field)};
+    double thickness = getenv("THICK") ? atof(getenv("THICK")) : 0;
+    sphv_status status = sphv_sorted_make(&half->sorted, evaluation, thickness, error);
+    if (status != SPHV_OK) return status;
+    const sphv_cell_grid *grid = &half->sorted.grid;
+    half->pass = set->choose_half(layout->dimension, layout->level, fields, &half->sorted.radial);
+    for (size_t r = 0; r < grid->cells[1] * grid->cells[2]; r++) {
+        size_t length = row_begin(grid, r + 1) - row_begin(grid, r);
+        if (length > half->room) half->room = length;
+    }
+    half->room += SPARE;
+    half->total = sphv_array(half->count * half->sums, sizeof(double));
+    half->number = sphv_array(half->count, sizeof(double));
+    half->depth = sphv_array(half->count, sizeof(double));
+    bool enough = half->total && half->number && half->depth && make_fields(half);
+    if (enough && half->pass) return SPHV_OK;
+    half_free(half);
+    if (enough) return sphv_fail(error, SPHV_NO_CLOSED_FORM, "no pass that visits pairs once");
+    return sphv_fail(error, SPHV_RESOURCE_FAILURE, "out of memory for %zu particles",
+                     evaluation->particles->count);
+}
+
+static bool visit_make(struct visit *visit, const struct half *half)
+{
+    const sphv_sorted *sorted = &half->sorted;
+    *visit = (struct visit){
+        .pass = {.radial = &sorted->radial,
+                 .sources = {.v = sorted->v, .field = {half->field[0], half->field[1]}},
+                 .total = half->total,
+                 .stride = half->count,
+                 .room = half->room}};
+    for (int i = 0; i < SPHV_DIMENSIONS; i++) visit->pass.sources.x[i] = sorted->grid.x[i];
+    visit->pass.row = calloc(half->room * half->sums, sizeof(double));
+    visit->pass.met = calloc(half->room, sizeof(double));
+    visit->pass.sure = calloc(half->room + 1, sizeof(double));
+    visit->pass.neighbours = malloc(half->room * sizeof(double));
+    visit->target = malloc(half->room * sizeof *visit->target);
+    visit->pass.target = visit->target;
+    return visit->pass.row && visit->pass.met && visit->pass.sure && visit->pass.neighbours &&
+           visit->target;
+}
+
+static void visit_free(struct visit *visit)
+{
+    free(visit->pass.row);
+    free(visit->pass.met);
+    free(visit->pass.sure);
+    free(visit->pass.neighbours);
+    free(visit->target);
+}
+
+/// Lists the targets of a row that have sources in another, or later ones in their own.
+/// \param end receives the end of the sources that are met. \return their begin
+static size_t list_targets(const struct half *half, struct visit *visit, size_t row, size_t other,
+                           size_t *end)
+{
+    const sphv_cell_grid *grid = &half->sorted.grid;
+    size_t begin = row_begin(grid, other + 1);
+    *end = row_begin(grid, other);
+    visit->pass.count = 0;
+    for (size_t a = row_begin(grid, row); a < row_begin(grid, row + 1); a++) {
+        double x[SPHV_DIMENSIONS] = {0, 0, 0};
+        sphv_range range;
+        for (int i = 0; i < grid->dimension; i++) x[i] = grid->x[i][a];
+        if (!sphv_cell_grid_range(grid, other, x, x, half->sorted.radial.limit, &range)) continue;
+        if (row == other) {
+            if (range.from <= a) range.from = a + 1;
+            if (range.sure <= a) range.sure = a + 1;
+        }
+        if (range.from >= range.to) continue;
+        visit->target[visit->pass.count++] = (sphv_half_target){a, range};
+        visit->tested += 2 * (double)(range.to - range.from);
+        if (range.from < begin) begin = range.from;
+        if (range.to > *end) *end = range.to;
+    }
+    return begin;
+}
+
+/// All pairs of two rows, or of one.
+static void visit_rows(struct half *half, struct visit *visit, size_t row, size_t other)
+{
+    sphv_half_pass *pass = &visit->pass;
+    size_t end, begin = list_targets(half, visit, row, other, &end);
+    if (!pass->count) return;
+    pass->first = begin;
+    half->pass(pass);
+    for (size_t t = 0; t < pass->count; t++) {
+        size_t a = visit->target[t].at;
+        half->number[a] += pass->neighbours[t];
+        half->depth[a] = fmax(half->depth[a], pass->neighbours[t]);
+    }
+    for (size_t k = 0; k < half->sums; k++) {
+        double *total = half->total + k * half->count + begin, *sums = pass->row + k * pass->room;
+        for (size_t b = 0; b < end - begin; b++) total[b] += sums[b];
+        memset(sums, 0, (end - begin) * sizeof *sums);
+    }
+    double sure = 0;
+    for (size_t b = 0; b < end - begin; b++) {
+        sure += pass->sure[b];
+        double met = pass->met[b] + sure;
+        half->number[begin + b] += met;
+        half->depth[begin + b] = fmax(half->depth[begin + b], met);
+    }
+    memset(pass->met, 0, (end - begin) * sizeof *pass->met);
+    memset(pass->sure, 0, (end - begin + 1) * sizeof *pass->sure);
+}
+
+/// How many rows further along an axis a neighbour may be.
+static long reach(const sphv_cell_grid *grid, int axis, double limit)
+{
+    if (axis >= grid->dimension || grid->cells[axis] < 2) return 0;
+    double rows = ceil(sqrt(limit) * grid->per_cell[axis] * (1 + 16 * SPHV_U)) + 1;
+    double most = (double)grid->cells[axis] - 1;
+    return (long)(rows < most ? rows : most);
+}
+
+/// Visits the pairs of rows that are an offset apart, those in the columns of one colour.
+static void visit_offset(struct half *half, struct visit *visit, struct offset offset, int colour)
+{
+    const sphv_cell_grid *grid = &half->sorted.grid;
+    long rows_y = (long)grid->cells[1], rows = rows_y * (long)grid->cells[2];
+#pragma omp for schedule(dynamic)
+    for (long row = 0; row < rows; row++) {
+        long y = row % rows_y, z = row / rows_y;
+        long turn = offset.z ? z / offset.z : offset.y ? y / offset.y : 0;
+        bool inside =
+            y + offset.y >= 0 && y + offset.y < rows_y && (row + offset.z * rows_y) < rows;
+        if (!inside || turn % 2 != colour) continue;
+        if (visit)
+            visit_rows(half, visit, (size_t)row, (size_t)(row + offset.y + offset.z * rows_y));
+        sphv_evaluation_advance(half->sorted.evaluation, &half->done, half->steps);
+    }
+}
+
+/// Takes the sums of a block of particles over, scaled and with what each adds to its own.
+static void finish_block(const struct half *half, sphv_worker *worker, size_t first, size_t count,
+                         double phases)
+{
+    const sphv_sorted *sorted = &half->sorted;
+    const sphv_sum_layout *layout = &sorted->evaluation->layout;
+    double p[3], size[3];
+    sphv_radial_values(&sorted->radial, layout->level, 0, p, size);
+    for (int k = 0; k < layout->count; k++) {
+        if (k >= layout->size_at && k < layout->size_at + 3) continue;
+        size_t from = (size_t)(k < layout->size_at ? k : k - 3) * half->count + first;
+        double *to = worker->block.sums + (size_t)k * worker->block.stride;
+        for (size_t i = 0; i < count; i++) to[i] = half->total[from + i] * sorted->scale[k];
+    }
+    bool plain = layout->level == SPHV_SUMS_PLAIN;
+    for (size_t f = 0; f < (plain ? sorted->fields : 1); f++) {
+        int k =
+            plain ? sphv_field_sum_index(layout, (int)f, 0, 0) : sphv_moment_index(layout, 0, 0);
+        double *to = worker->block.sums + (size_t)k * worker->block.stride;
+        for (size_t i = 0; i < count; i++)
+            to[i] += p[0] * (plain ? half->field[f] : sorted->v)[first + i];
+    }
+    for (size_t i = 0; i < count; i++) {
+        double neighbours = half->number[first + i] + 1;
+        sphv_sorted_bound(sorted, worker, i, 1, &neighbours, half->depth[first + i] + phases);
+        worker->particle[i] = sorted->grid.particle[first + i];
+    }
+}
+
+sphv_status sphv_evaluate_half_pairs(const sphv_evaluation *evaluation, sphv_error *error)
+{
+    struct half half;
+    sphv_status status = half_make(&half, evaluation, error);
+    if (status != SPHV_OK) return status;
+    const sphv_cell_grid *grid = &half.sorted.grid;
+    long most_y = reach(grid, 1, half.sorted.radial.limit);
+    long most_z = reach(grid, 2, half.sorted.radial.limit);
+    size_t rows = grid->cells[1] * grid->cells[2];
+    size_t blocks = (half.count + SPHV_BLOCK - 1) / SPHV_BLOCK;
+    half.steps = 1 + rows * (size_t)((most_y + 1) + most_z * (2 * most_y + 1)) + blocks;
+    // Each visit adds to a particle's sums as a target, its lanes' first, and as a source.
+    double phases = 2.0 * (double)((most_y + 1) + most_z * (2 * most_y + 1)) + SPHV_LANES_MAX;
+#pragma omp parallel if (half.count > SPHV_BLOCK)
+    {
+        struct visit visit;
+        sphv_worker worker;
+        bool ready = visit_make(&visit, &half);
+        ready = sphv_worker_make(&worker, evaluation) == SPHV_OK && ready;
+        if (!ready) {
+#pragma omp critical(sphv_half_pairs)
+            status = SPHV_RESOURCE_FAILURE;
+        }
+        for (long z = 0; z <= most_z; z++)
+            for (long y = z ? -most_y : 0; y <= most_y; y++)
+                for (int colour = 0; colour < (y || z ? 2 : 1); colour++)
+                    visit_offset(&half, ready ? &visit : NULL, (struct offset){y, z}, colour);
+#pragma omp for schedule(dynamic)
+        for (size_t block = 0; block < blocks; block++) {
+            size_t first = block * SPHV_BLOCK;
+            size_t count = half.count - first < SPHV_BLOCK ? half.count - first : SPHV_BLOCK;
+            if (ready) finish_block(&half, &worker, first, count, phases);
+            if (ready) sphv_worker_finish_block(&worker, first, count);
+            sphv_evaluation_advance(evaluation, &half.done, half.steps);
+        }
+        worker.tested = visit.tested;
+        visit_free(&visit);
+#pragma omp critical(sphv_half_pairs)
+        sphv_worker_free(&worker);
+    }
+    half_free(&half);
+    return status == SPHV_OK ? SPHV_OK : sphv_fail(error, status, "out of memory");
+}
