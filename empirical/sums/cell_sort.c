@@ -10,11 +10,9 @@
 #include <string.h>
 
 #include "../internal.h"
-#include "memory.h"
+#include "chunks.h"
 
 enum {
-    CHUNKS_MOST = 64,
-    CHUNK_LEAST = 8192, ///< particles for which a thread is worth its while
     BUCKETS_MOST = 1024,
     BUCKET_LEAST = 1024,             ///< cells
     TILE = 512,                      ///< sources that are looked at together
@@ -81,74 +79,52 @@ static size_t list_sources(const sphv_particles *particles, size_t b, double nea
     return count;
 }
 
-static size_t chunks_of(size_t count)
+/// Widens an extent to the copies of some particles, in the particles' units.
+static void widen(sphv_extent *extent, const sphv_particles *particles, double near, size_t from,
+                  size_t to)
 {
-    size_t chunks = count / CHUNK_LEAST;
-    return chunks < 1 ? 1 : chunks < CHUNKS_MOST ? chunks : CHUNKS_MOST;
-}
-
-/// First particle of a chunk.
-static size_t chunk_begin(size_t count, size_t chunks, size_t chunk)
-{
-    size_t more = count % chunks;
-    return count / chunks * chunk + (more < chunk ? more : chunk);
-}
-
-/// Widens low … high to some numbers.
-SPHV_CLONES static void widen(const double *x, size_t count, double *low, double *high)
-{
-    double least = *low, most = *high;
-#pragma omp simd reduction(min : least) reduction(max : most)
-    for (size_t b = 0; b < count; b++) {
-        least = x[b] < least ? x[b] : least;
-        most = x[b] > most ? x[b] : most;
-    }
-    *low = least;
-    *high = most;
-}
-
-/// The extent of some particles and their copies, in the particles' units.
-static sphv_extent extent_of(const sphv_particles *particles, double near, size_t from, size_t to)
-{
-    sphv_extent extent = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}, 0};
-    for (int i = 0; i < particles->dimension; i++)
-        widen(particles->x[i] + from, to - from, &extent.low[i], &extent.high[i]);
-    for (size_t b = from; b < to && particles->periodic; b++) {
+    for (size_t b = from; b < to; b++) {
         uint32_t source[COPIES];
         size_t count = list_sources(particles, b, near, source);
-        extent.copies += count - 1;
+        extent->copies += count - 1;
         for (int i = 0; count > 1 && i < particles->dimension; i++) {
             double x = coordinate(particles, i, source[count - 1]);
-            extent.low[i] = fmin(extent.low[i], x);
-            extent.high[i] = fmax(extent.high[i], x);
+            extent->low[i] = fmin(extent->low[i], x);
+            extent->high[i] = fmax(extent->high[i], x);
         }
     }
-    return extent;
 }
 
 sphv_extent sphv_cell_extent(const sphv_cell_grid *grid, const sphv_particles *particles,
                              double radius)
 {
-    size_t count = particles->count, chunks = chunks_of(count);
-    sphv_extent all = extent_of(particles, 0, 0, 0);
+    size_t count = particles->count, chunks = particles->periodic ? sphv_chunks(count) : 0;
+    sphv_extent extent = {{0}, {0}, 0};
+    for (int i = 0; i < particles->dimension; i++) {
+        sphv_span span = sphv_span_of(particles->x[i], count);
+        extent.low[i] = span.low;
+        extent.high[i] = span.high;
+    }
+    const sphv_extent own = extent;
 #pragma omp parallel for schedule(static) if (chunks > 1)
     for (size_t c = 0; c < chunks; c++) {
-        sphv_extent part = extent_of(particles, near_of(radius), chunk_begin(count, chunks, c),
-                                     chunk_begin(count, chunks, c + 1));
+        sphv_extent copies = own;
+        widen(&copies, particles, near_of(radius), sphv_chunk_begin(count, chunks, c),
+              sphv_chunk_begin(count, chunks, c + 1));
 #pragma omp critical(sphv_cells)
         {
-            all.copies += part.copies;
+            extent.copies += copies.copies;
             for (int i = 0; i < SPHV_DIMENSIONS; i++) {
-                all.low[i] = fmin(all.low[i], part.low[i]);
-                all.high[i] = fmax(all.high[i], part.high[i]);
+                extent.low[i] = fmin(extent.low[i], copies.low[i]);
+                extent.high[i] = fmax(extent.high[i], copies.high[i]);
             }
         }
     }
     for (int i = 0; i < SPHV_DIMENSIONS; i++) { // by a power of two
-        all.low[i] *= grid->unit;
-        all.high[i] *= grid->unit;
+        extent.low[i] *= grid->unit;
+        extent.high[i] *= grid->unit;
     }
-    return all;
+    return extent;
 }
 
 /// Cells of sources, by their sorted coordinates.
@@ -191,8 +167,8 @@ static void take_sources(const struct sort *sort, const uint32_t *source, size_t
 static void count_chunk(const struct sort *sort, size_t chunk)
 {
     const sphv_particles *particles = sort->particles;
-    size_t b = chunk_begin(particles->count, sort->chunks, chunk), at = sort->first[chunk];
-    size_t end = chunk_begin(particles->count, sort->chunks, chunk + 1);
+    size_t b = sphv_chunk_begin(particles->count, sort->chunks, chunk), at = sort->first[chunk];
+    size_t end = sphv_chunk_begin(particles->count, sort->chunks, chunk + 1);
     uint32_t *counts = sort->place + chunk * sort->buckets;
     struct tile tile;
     double *x[SPHV_DIMENSIONS] = {tile.x[0], tile.x[1], tile.x[2]};
@@ -298,8 +274,8 @@ static void find_chunks(struct sort *sort)
     sort->first[0] = 0;
 #pragma omp parallel for schedule(static) if (sort->chunks > 1)
     for (size_t c = 0; c < sort->chunks; c++) {
-        size_t from = chunk_begin(particles->count, sort->chunks, c);
-        size_t to = chunk_begin(particles->count, sort->chunks, c + 1);
+        size_t from = sphv_chunk_begin(particles->count, sort->chunks, c);
+        size_t to = sphv_chunk_begin(particles->count, sort->chunks, c + 1);
         sort->first[c + 1] = to - from;
         uint32_t source[COPIES];
         for (size_t b = from; b < to && particles->periodic; b++)
@@ -340,7 +316,7 @@ bool sphv_cell_sort(sphv_cell_grid *grid, const sphv_particles *particles, doubl
     struct sort sort = {.grid = grid,
                         .particles = particles,
                         .near = near_of(radius),
-                        .chunks = chunks_of(particles->count)};
+                        .chunks = sphv_chunks(particles->count)};
     while (cells >> sort.shift > most) sort.shift++;
     sort.buckets = ((cells - 1) >> sort.shift) + 1;
     sort.first = malloc((sort.chunks + 1) * sizeof *sort.first);

@@ -6,9 +6,8 @@
 
 #include "../internal.h"
 #include "cell_sort.h"
+#include "chunks.h"
 #include "memory.h"
-
-enum { MANY = 16384 }; ///< sources that threads are worth their while for
 
 /// Targets in a group should be close together: a row is as thick as the square or cube that holds
 /// SPHV_LANES_MAX particles, and cells are as long as one particle needs.
@@ -110,14 +109,14 @@ static void list_targets(const sphv_cell_grid *grid, size_t r)
 static void survey_rows(sphv_cell_grid *grid, size_t rows)
 {
     uint32_t targets = 0;
-#pragma omp parallel for schedule(static) if (grid->count > MANY)
+#pragma omp parallel for schedule(static) if (sphv_chunks(grid->count) > 1)
     for (size_t r = 0; r < rows; r++) survey_row(grid, r, &grid->row[r]);
     for (size_t r = 0; r <= rows; r++) {
         uint32_t here = grid->row[r].first_target;
         grid->row[r].first_target = targets;
         targets += here;
     }
-#pragma omp parallel for schedule(static) if (grid->count > MANY)
+#pragma omp parallel for schedule(static) if (sphv_chunks(grid->count) > 1)
     for (size_t r = 0; r < rows; r++) list_targets(grid, r);
 }
 

@@ -2,8 +2,27 @@
 
 #include <stdlib.h>
 
+#include "../clones.h"
 #include "../internal.h"
+#include "chunks.h"
 #include "memory.h"
+
+/// V/h^d. \return the largest modulus
+SPHV_CLONES static double scale_volumes(double *v, size_t count, double unit)
+{
+    double most = 0;
+#pragma omp simd reduction(max : most)
+    for (size_t b = 0; b < count; b++) {
+        v[b] /= unit;
+        most = fabs(v[b]) > most ? fabs(v[b]) : most;
+    }
+    return most;
+}
+
+static void take_field(double *to, const double *field, const uint32_t *particle, size_t count)
+{
+    for (size_t b = 0; b < count; b++) to[b] = field[particle[b]];
+}
 
 static bool make_sources(sphv_sorted *sorted)
 {
@@ -21,11 +40,16 @@ static bool make_sources(sphv_sorted *sorted)
         enough = (sorted->field[f] = sorted->fields ? sphv_room(n, sizeof(double))
                                                     : sphv_array(n, sizeof(double))) != NULL;
     if (!enough) return false;
-    for (size_t b = 0; b < grid->count; b++) {
-        sorted->v[b] /= unit;
-        sorted->v_most = fmax(sorted->v_most, fabs(sorted->v[b]));
+    const size_t chunks = sphv_chunks(grid->count);
+#pragma omp parallel for schedule(static) if (chunks > 1)
+    for (size_t c = 0; c < chunks; c++) {
+        size_t from = sphv_chunk_begin(grid->count, chunks, c);
+        size_t count = sphv_chunk_begin(grid->count, chunks, c + 1) - from;
+        double most = scale_volumes(sorted->v + from, count, unit);
         for (size_t f = 0; f < sorted->fields; f++)
-            sorted->field[f][b] = request->fields[f][grid->particle[b]];
+            take_field(sorted->field[f] + from, request->fields[f], grid->particle + from, count);
+#pragma omp critical(sphv_sorted)
+        sorted->v_most = fmax(sorted->v_most, most);
     }
     return true;
 }
