@@ -152,7 +152,8 @@ sphv_status sphv_cell_grid_make(sphv_cell_grid *grid, const sphv_particles *part
 /// How far two intervals are apart, rounded like a difference of coordinates.
 static double gap(double low, double high, double from, double to)
 {
-    return fmax(fmax(low - to, from - high), 0);
+    double below = low - to, above = from - high, apart = below > above ? below : above;
+    return apart > 0 ? apart : 0;
 }
 
 /// Where in a row all sources are neighbours of every point of the box. The differences that decide
@@ -179,12 +180,19 @@ static void find_sure(const sphv_cell_grid *grid, const sphv_row *row, const uin
     range->sure_to = sure_to;
 }
 
-bool sphv_cell_grid_range(const sphv_cell_grid *grid, size_t row, const double low[SPHV_DIMENSIONS],
-                          const double high[SPHV_DIMENSIONS], double limit, sphv_range *range)
+/// Room for the rounding of what is added to the ends of a box.
+static double room_of(double low, double high)
+{
+    return 4 * SPHV_U * (fabs(low) + fabs(high));
+}
+
+/// The sources of a row that may be near. \return whether there are any
+static bool find_near(const sphv_cell_grid *grid, size_t row, const double low[SPHV_DIMENSIONS],
+                      const double high[SPHV_DIMENSIONS], double limit, sphv_range *range)
 {
     const sphv_row *of = &grid->row[row];
     const uint32_t *start = grid->start + row * grid->cells[0];
-    double room = 4 * SPHV_U * (fabs(low[0]) + fabs(high[0])), square = 0;
+    double room = room_of(low[0], high[0]), square = 0;
     for (int i = 1; i < grid->dimension; i++) {
         double apart = gap(low[i], high[i], of->low[i], of->high[i]);
         square += apart * apart;
@@ -193,25 +201,37 @@ bool sphv_cell_grid_range(const sphv_cell_grid *grid, size_t row, const double l
     double chord = sqrt(limit - square * (1 - 8 * SPHV_U)) * (1 + 8 * SPHV_U);
     range->from = start[sphv_cell_of(grid, 0, low[0] - chord - room)];
     range->to = start[sphv_cell_of(grid, 0, high[0] + chord + room) + 1];
-    if (range->from >= range->to) return false;
-    find_sure(grid, of, start, low, high, limit, room, range);
+    range->sure = range->sure_to = range->from;
+    return range->from < range->to;
+}
+
+bool sphv_cell_grid_range(const sphv_cell_grid *grid, size_t row, const double low[SPHV_DIMENSIONS],
+                          const double high[SPHV_DIMENSIONS], double limit, sphv_range *range)
+{
+    if (!find_near(grid, row, low, high, limit, range)) return false;
+    find_sure(grid, &grid->row[row], grid->start + row * grid->cells[0], low, high, limit,
+              room_of(low[0], high[0]), range);
     return true;
 }
 
 size_t sphv_cell_grid_ranges(const sphv_cell_grid *grid, const double low[SPHV_DIMENSIONS],
-                             const double high[SPHV_DIMENSIONS], double limit, sphv_range *ranges)
+                             const double high[SPHV_DIMENSIONS], double limit, bool sure,
+                             sphv_range *ranges)
 {
     // The radius with room for the rounding of what is added to it.
     double radius = sqrt(limit) * (1 + 8 * SPHV_U);
-    size_t first[SPHV_DIMENSIONS] = {0, 0, 0}, last[SPHV_DIMENSIONS] = {0, 0, 0}, count = 0;
+    int first[SPHV_DIMENSIONS] = {0, 0, 0}, last[SPHV_DIMENSIONS] = {0, 0, 0};
+    size_t count = 0;
     for (int i = 1; i < grid->dimension; i++) {
-        double room = 4 * SPHV_U * (fabs(low[i]) + fabs(high[i]));
+        double room = room_of(low[i], high[i]);
         first[i] = sphv_cell_of(grid, i, low[i] - radius - room);
         last[i] = sphv_cell_of(grid, i, high[i] + radius + room);
     }
-    for (size_t z = first[2]; z <= last[2]; z++)
-        for (size_t y = first[1]; y <= last[1]; y++)
-            count += sphv_cell_grid_range(grid, z * grid->cells[1] + y, low, high, limit,
-                                          &ranges[count]);
+    for (int z = first[2]; z <= last[2]; z++)
+        for (int y = first[1]; y <= last[1]; y++) {
+            size_t row = (size_t)z * grid->cells[1] + (size_t)y;
+            count += sure ? sphv_cell_grid_range(grid, row, low, high, limit, &ranges[count])
+                          : find_near(grid, row, low, high, limit, &ranges[count]);
+        }
     return count;
 }
