@@ -122,8 +122,8 @@ static sphv_status sum_box(sphv_box_theory *of, const sphv_box *box, int order, 
                           .singular_until = -1};
         if (i == 0 && of->field.singular) side.singular_until = 2 * side.margin;
         // On panels that double in length rules converge like 5.8^(−2 order).
-        status =
-            sphv_lines_make(&side, side.singular_until > 0 ? order / 2 : order, &lines[i], error);
+        status = sphv_lines_make(&side, side.singular_until > 0 ? order / 2 : order, order,
+                                 &lines[i], error);
         if (status == SPHV_OK && !take_factors(of, i, &lines[i], &factors[i]))
             status =
                 sphv_fail(error, SPHV_RESOURCE_FAILURE, "not enough memory for a box's theory");

@@ -97,8 +97,12 @@ typedef struct sphv_lines {
     bool exhaustive; ///< every particle stands for itself
 } sphv_lines;
 
-/// \param order nodes of a panel, at most SPHV_SUM_RULE
-sphv_status sphv_lines_make(const sphv_side *side, int order, sphv_lines *out,
+enum { SPHV_STRIP_WHOLE = 1 << 30 }; ///< strip order that takes every line
+
+/// \param order       nodes of a panel, at most SPHV_SUM_RULE
+/// \param strip_order lines taken of a strip: even, at most SPHV_SUM_RULE, or SPHV_STRIP_WHOLE. A
+///        strip of up to twice as many is taken whole
+sphv_status sphv_lines_make(const sphv_side *side, int order, int strip_order, sphv_lines *out,
                             sphv_error *error) SPHV_MUST_CHECK;
 void sphv_lines_free(sphv_lines *lines);
 

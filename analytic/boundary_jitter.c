@@ -104,8 +104,8 @@ static sphv_status sum_box(sphv_jitter_sums *of, const sphv_field_theory *field,
                           .singular_until = -1};
         if (i == 0 && field->singular) side.singular_until = 2 * side.margin;
         int order = field->narrow ? SPHV_SUM_RULE : SUM_ORDER;
-        status =
-            sphv_lines_make(&side, side.singular_until > 0 ? order / 2 : order, &lines[i], error);
+        status = sphv_lines_make(&side, side.singular_until > 0 ? order / 2 : order,
+                                 SPHV_STRIP_WHOLE, &lines[i], error);
         counts[i] = lines[i].count;
     }
     for (int i = 0; status == SPHV_OK && i < counts[0]; i++)

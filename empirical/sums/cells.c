@@ -5,6 +5,8 @@
 #include <string.h>
 
 #include "../internal.h"
+#include "cell_sort.h"
+#include "chunks.h"
 #include "memory.h"
 
 /// Targets in a group should be close together: a row is as thick as the square or cube that holds
@@ -24,114 +26,9 @@ void sphv_cell_grid_free(sphv_cell_grid *grid)
     *grid = (sphv_cell_grid){0};
 }
 
-/// The cell of a coordinate: monotone in it, rounding included.
-static size_t cell_of(const sphv_cell_grid *grid, int axis, double x)
-{
-    double cell = (x - grid->low[axis]) * grid->per_cell[axis];
-    if (!(cell > 0)) return 0;
-    return cell < (double)grid->cells[axis] ? (size_t)cell : grid->cells[axis] - 1;
-}
-
-/// Which copies of a coordinate there are in a periodic box: 0, and 1 or −1 near its ends.
-static int copies_of(double x, bool periodic, double radius, double copy[2])
-{
-    copy[0] = x;
-    double near = radius * (1 + 4 * SPHV_U) + 2 * SPHV_U; // room for the rounding of x ± 1
-    if (!periodic || (x > near && x < 1 - near)) return 1;
-    copy[1] = x < 0.5 ? x + 1 : x - 1;
-    return 2;
-}
-
-struct source {
-    double x[SPHV_DIMENSIONS];
-    size_t particle;
-    bool copy;
-};
-
-#define SPHV_EACH static inline __attribute__((always_inline))
-
-/// Calls for every source in the order of the particles.
-SPHV_EACH void each_source(const sphv_cell_grid *grid, const sphv_particles *particles,
-                           double radius,
-                           void (*call)(sphv_cell_grid *, const struct source *, void *),
-                           sphv_cell_grid *into, void *context)
-{
-    int d = particles->dimension;
-    for (size_t b = 0; b < particles->count && !particles->periodic; b++) {
-        struct source source = {{0, 0, 0}, b, false};
-        for (int i = 0; i < d; i++) source.x[i] = particles->x[i][b] * grid->unit;
-        call(into, &source, context);
-    }
-    for (size_t b = 0; b < particles->count && particles->periodic; b++) {
-        double copy[SPHV_DIMENSIONS][2] = {{0}};
-        int copies[SPHV_DIMENSIONS] = {1, 1, 1};
-        for (int i = 0; i < d; i++)
-            copies[i] = copies_of(particles->x[i][b], particles->periodic, radius, copy[i]);
-        for (int k = 0; k < copies[2]; k++)
-            for (int j = 0; j < copies[1]; j++)
-                for (int i = 0; i < copies[0]; i++) {
-                    struct source source = {
-                        {copy[0][i] * grid->unit, copy[1][j] * grid->unit, copy[2][k] * grid->unit},
-                        b,
-                        i || j || k};
-                    call(into, &source, context);
-                }
-    }
-}
-
-static size_t row_of(const sphv_cell_grid *grid, const double x[SPHV_DIMENSIONS])
-{
-    size_t row = 0;
-    for (int i = grid->dimension - 1; i > 0; i--)
-        row = row * grid->cells[i] + cell_of(grid, i, x[i]);
-    return row;
-}
-
-static size_t place_of(const sphv_cell_grid *grid, const double x[SPHV_DIMENSIONS])
-{
-    return row_of(grid, x) * grid->cells[0] + cell_of(grid, 0, x[0]);
-}
-
-struct extent {
-    double low[SPHV_DIMENSIONS], high[SPHV_DIMENSIONS];
-    size_t copies;
-};
-
-static void widen(sphv_cell_grid *grid, const struct source *source, void *context)
-{
-    struct extent *extent = context;
-    extent->copies += source->copy;
-    for (int i = 0; i < grid->dimension; i++) {
-        if (source->x[i] < extent->low[i]) extent->low[i] = source->x[i];
-        if (source->x[i] > extent->high[i]) extent->high[i] = source->x[i];
-    }
-}
-
-static void count_source(sphv_cell_grid *grid, const struct source *source, void *context)
-{
-    uint32_t **cell = context, at = (uint32_t)place_of(grid, source->x);
-    *(*cell)++ = at;
-    grid->start[at + 1]++;
-}
-
-struct putting {
-    const sphv_particles *particles;
-    const uint32_t *cell; ///< of the next source
-};
-
-/// Puts a source where its cell has come to; start[cell] ends as the start of the next one.
-static void put_source(sphv_cell_grid *grid, const struct source *source, void *context)
-{
-    struct putting *putting = context;
-    size_t at = grid->start[*putting->cell++]++;
-    for (int i = 0; i < grid->dimension; i++) grid->x[i][at] = source->x[i];
-    grid->volume[at] = putting->particles->volume[source->particle];
-    grid->particle[at] = (uint32_t)source->particle | (source->copy ? 0x80000000u : 0);
-}
-
 /// Cells along each axis for particles spread over these lengths. Axes along which there is hardly
 /// more than one row's thickness get one cell and do not count.
-static void choose_cells(sphv_cell_grid *grid, const struct extent *extent, double thickness)
+static void choose_cells(sphv_cell_grid *grid, const sphv_extent *extent, double thickness)
 {
     int d = grid->dimension, counted = d;
     bool flat[SPHV_DIMENSIONS] = {false, false, false};
@@ -181,34 +78,52 @@ static bool allocate_cells(sphv_cell_grid *grid, size_t rows)
     }
     grid->particle = sphv_room(grid->count, sizeof(uint32_t));
     grid->target = sphv_room(grid->targets, sizeof(uint32_t));
-    grid->start = sphv_array(rows * grid->cells[0] + 2, sizeof(uint32_t));
+    grid->start = sphv_room(rows * grid->cells[0] + 2, sizeof(uint32_t));
     grid->row = sphv_array(rows + 1, sizeof(sphv_row));
     return enough && grid->volume && grid->particle && grid->target && grid->start && grid->row;
 }
 
-/// Bounds of each row and its targets, and takes the mark of copies off.
+/// Bounds of a row, and how many targets it has.
+static void survey_row(const sphv_cell_grid *grid, size_t r, sphv_row *row)
+{
+    const size_t from = grid->start[r * grid->cells[0]],
+                 end = grid->start[(r + 1) * grid->cells[0]];
+    for (int i = 0; i < SPHV_DIMENSIONS; i++) {
+        double low = INFINITY, high = -INFINITY;
+        for (size_t b = from; i > 0 && i < grid->dimension && b < end; b++) {
+            double x = grid->x[i][b];
+            low = x < low ? x : low;
+            high = x > high ? x : high;
+        }
+        row->low[i] = low;
+        row->high[i] = high;
+    }
+    row->first_target = 0;
+    for (size_t b = from; b < end; b++) row->first_target += !(grid->particle[b] & SPHV_CELL_COPY);
+}
+
+/// Lists the targets of a row, and takes the mark of copies off.
+static void list_targets(const sphv_cell_grid *grid, size_t r)
+{
+    size_t end = grid->start[(r + 1) * grid->cells[0]], at = grid->row[r].first_target;
+    for (size_t b = grid->start[r * grid->cells[0]]; b < end; b++) {
+        if (!(grid->particle[b] & SPHV_CELL_COPY)) grid->target[at++] = (uint32_t)b;
+        grid->particle[b] &= ~SPHV_CELL_COPY;
+    }
+}
+
 static void survey_rows(sphv_cell_grid *grid, size_t rows)
 {
-    size_t targets = 0;
+    uint32_t targets = 0;
+#pragma omp parallel for schedule(static) if (sphv_chunks(grid->count) > 1)
+    for (size_t r = 0; r < rows; r++) survey_row(grid, r, &grid->row[r]);
     for (size_t r = 0; r <= rows; r++) {
-        sphv_row *row = &grid->row[r];
-        row->first_target = (uint32_t)targets;
-        if (r == rows) break;
-        for (int i = 0; i < SPHV_DIMENSIONS; i++) {
-            row->low[i] = INFINITY;
-            row->high[i] = -INFINITY;
-        }
-        size_t end = grid->start[(r + 1) * grid->cells[0]];
-        for (size_t b = grid->start[r * grid->cells[0]]; b < end; b++) {
-            for (int i = 1; i < grid->dimension; i++) {
-                double x = grid->x[i][b];
-                if (x < row->low[i]) row->low[i] = x;
-                if (x > row->high[i]) row->high[i] = x;
-            }
-            if (!(grid->particle[b] & 0x80000000u)) grid->target[targets++] = (uint32_t)b;
-            grid->particle[b] &= 0x7fffffffu;
-        }
+        uint32_t here = grid->row[r].first_target;
+        grid->row[r].first_target = targets;
+        targets += here;
     }
+#pragma omp parallel for schedule(static) if (sphv_chunks(grid->count) > 1)
+    for (size_t r = 0; r < rows; r++) list_targets(grid, r);
 }
 
 sphv_status sphv_cell_grid_make(sphv_cell_grid *grid, const sphv_particles *particles,
@@ -218,15 +133,12 @@ sphv_status sphv_cell_grid_make(sphv_cell_grid *grid, const sphv_particles *part
     frexp(radius, &exponent);
     *grid = (sphv_cell_grid){
         .dimension = particles->dimension, .unit = ldexp(1, -exponent), .cells = {1, 1, 1}};
-    struct extent extent = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}, 0};
-    each_source(grid, particles, radius, widen, grid, &extent);
+    sphv_extent extent = sphv_cell_extent(grid, particles, radius);
     grid->targets = particles->count;
     grid->count = particles->count + extent.copies;
-    if (grid->count >= 0x7fffffffu)
+    if (grid->count >= SPHV_CELL_SOURCES_MAX)
         return sphv_fail(error, SPHV_RESOURCE_FAILURE,
-                         "%zu particles are more than the 2^31 that "
-                         "can be sorted",
-                         grid->count);
+                         "%zu particles are more than the 2^29 that can be sorted", grid->count);
     for (int i = 0; grid->count && i < grid->dimension; i++)
         if (!(extent.high[i] - extent.low[i] < 1e15))
             return sphv_fail(error, SPHV_INVALID_INPUT,
@@ -234,22 +146,11 @@ sphv_status sphv_cell_grid_make(sphv_cell_grid *grid, const sphv_particles *part
                              "coordinates do not tell which are neighbours");
     if (grid->count) choose_cells(grid, &extent, thickness);
     size_t rows = grid->cells[1] * grid->cells[2];
-    uint32_t *cell = sphv_room(grid->count, sizeof *cell);
-    if (!allocate_cells(grid, rows) || !cell) {
-        free(cell);
+    if (!allocate_cells(grid, rows) || !sphv_cell_sort(grid, particles, radius)) {
         sphv_cell_grid_free(grid);
         return sphv_fail(error, SPHV_RESOURCE_FAILURE, "out of memory for sorting %zu particles",
                          particles->count);
     }
-    size_t cells = rows * grid->cells[0];
-    uint32_t *next = cell;
-    each_source(grid, particles, radius, count_source, grid, &next);
-    for (size_t c = 0; c < cells; c++) grid->start[c + 1] += grid->start[c];
-    struct putting putting = {particles, cell};
-    each_source(grid, particles, radius, put_source, grid, &putting);
-    free(cell);
-    memmove(grid->start + 1, grid->start, cells * sizeof *grid->start);
-    grid->start[0] = 0;
     survey_rows(grid, rows);
     return SPHV_OK;
 }
@@ -257,7 +158,8 @@ sphv_status sphv_cell_grid_make(sphv_cell_grid *grid, const sphv_particles *part
 /// How far two intervals are apart, rounded like a difference of coordinates.
 static double gap(double low, double high, double from, double to)
 {
-    return fmax(fmax(low - to, from - high), 0);
+    double below = low - to, above = from - high, apart = below > above ? below : above;
+    return apart > 0 ? apart : 0;
 }
 
 /// Where in a row all sources are neighbours of every point of the box. The differences that decide
@@ -277,45 +179,65 @@ static void find_sure(const sphv_cell_grid *grid, const sphv_row *row, const uin
     double chord = sqrt(limit - square) * (1 - 16 * SPHV_U);
     double from = high[0] - chord + room, to = low[0] + chord - room;
     if (!(from < to)) return;
-    size_t sure = start[cell_of(grid, 0, from) + 1], sure_to = start[cell_of(grid, 0, to)];
+    size_t sure = start[sphv_cell_of(grid, 0, from) + 1],
+           sure_to = start[sphv_cell_of(grid, 0, to)];
     if (sure >= sure_to) return;
     range->sure = sure;
     range->sure_to = sure_to;
 }
 
-bool sphv_cell_grid_range(const sphv_cell_grid *grid, size_t row, const double low[SPHV_DIMENSIONS],
-                          const double high[SPHV_DIMENSIONS], double limit, sphv_range *range)
+/// Room for the rounding of what is added to the ends of a box.
+static double room_of(double low, double high)
+{
+    return 4 * SPHV_U * (fabs(low) + fabs(high));
+}
+
+/// The sources of a row that may be near. \return whether there are any
+static bool find_near(const sphv_cell_grid *grid, size_t row, const double low[SPHV_DIMENSIONS],
+                      const double high[SPHV_DIMENSIONS], double limit, sphv_range *range)
 {
     const sphv_row *of = &grid->row[row];
     const uint32_t *start = grid->start + row * grid->cells[0];
-    double room = 4 * SPHV_U * (fabs(low[0]) + fabs(high[0])), square = 0;
+    double room = room_of(low[0], high[0]), square = 0;
     for (int i = 1; i < grid->dimension; i++) {
         double apart = gap(low[i], high[i], of->low[i], of->high[i]);
         square += apart * apart;
     }
     if (!(square < limit)) return false;
     double chord = sqrt(limit - square * (1 - 8 * SPHV_U)) * (1 + 8 * SPHV_U);
-    range->from = start[cell_of(grid, 0, low[0] - chord - room)];
-    range->to = start[cell_of(grid, 0, high[0] + chord + room) + 1];
-    if (range->from >= range->to) return false;
-    find_sure(grid, of, start, low, high, limit, room, range);
+    range->from = start[sphv_cell_of(grid, 0, low[0] - chord - room)];
+    range->to = start[sphv_cell_of(grid, 0, high[0] + chord + room) + 1];
+    range->sure = range->sure_to = range->from;
+    return range->from < range->to;
+}
+
+bool sphv_cell_grid_range(const sphv_cell_grid *grid, size_t row, const double low[SPHV_DIMENSIONS],
+                          const double high[SPHV_DIMENSIONS], double limit, sphv_range *range)
+{
+    if (!find_near(grid, row, low, high, limit, range)) return false;
+    find_sure(grid, &grid->row[row], grid->start + row * grid->cells[0], low, high, limit,
+              room_of(low[0], high[0]), range);
     return true;
 }
 
 size_t sphv_cell_grid_ranges(const sphv_cell_grid *grid, const double low[SPHV_DIMENSIONS],
-                             const double high[SPHV_DIMENSIONS], double limit, sphv_range *ranges)
+                             const double high[SPHV_DIMENSIONS], double limit, bool sure,
+                             sphv_range *ranges)
 {
     // The radius with room for the rounding of what is added to it.
     double radius = sqrt(limit) * (1 + 8 * SPHV_U);
-    size_t first[SPHV_DIMENSIONS] = {0, 0, 0}, last[SPHV_DIMENSIONS] = {0, 0, 0}, count = 0;
+    int first[SPHV_DIMENSIONS] = {0, 0, 0}, last[SPHV_DIMENSIONS] = {0, 0, 0};
+    size_t count = 0;
     for (int i = 1; i < grid->dimension; i++) {
-        double room = 4 * SPHV_U * (fabs(low[i]) + fabs(high[i]));
-        first[i] = cell_of(grid, i, low[i] - radius - room);
-        last[i] = cell_of(grid, i, high[i] + radius + room);
+        double room = room_of(low[i], high[i]);
+        first[i] = sphv_cell_of(grid, i, low[i] - radius - room);
+        last[i] = sphv_cell_of(grid, i, high[i] + radius + room);
     }
-    for (size_t z = first[2]; z <= last[2]; z++)
-        for (size_t y = first[1]; y <= last[1]; y++)
-            count += sphv_cell_grid_range(grid, z * grid->cells[1] + y, low, high, limit,
-                                          &ranges[count]);
+    for (int z = first[2]; z <= last[2]; z++)
+        for (int y = first[1]; y <= last[1]; y++) {
+            size_t row = (size_t)z * grid->cells[1] + (size_t)y;
+            count += sure ? sphv_cell_grid_range(grid, row, low, high, limit, &ranges[count])
+                          : find_near(grid, row, low, high, limit, &ranges[count]);
+        }
     return count;
 }

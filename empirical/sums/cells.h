@@ -41,11 +41,13 @@ void sphv_cell_grid_free(sphv_cell_grid *grid);
 
 /// Ranges of sources that may be within a support of any point of the box low … high.
 /// \param limit  the square of the radius of the support, in sorted coordinates
+/// \param sure   whether to find out which are neighbours beyond doubt; else none are said to be
 /// \param ranges receives at most as many as there are rows. \return their number
 size_t sphv_cell_grid_ranges(const sphv_cell_grid *grid, const double low[SPHV_DIMENSIONS],
-                             const double high[SPHV_DIMENSIONS], double limit, sphv_range *ranges);
+                             const double high[SPHV_DIMENSIONS], double limit, bool sure,
+                             sphv_range *ranges);
 
-/// The same in one row. \return whether there are any
+/// The same in one row, with the sure ones. \return whether there are any
 bool sphv_cell_grid_range(const sphv_cell_grid *grid, size_t row, const double low[SPHV_DIMENSIONS],
                           const double high[SPHV_DIMENSIONS], double limit, sphv_range *range);
 

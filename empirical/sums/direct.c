@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "../clones.h"
 #include "../internal.h"
 #include "sorted.h"
 
@@ -23,6 +24,7 @@ struct group {
 struct direct {
     sphv_sorted sorted;
     const sphv_pass_set *passes;
+    sphv_pass_function *pass[SPHV_PASS_FIELDS]; ///< for one field, for two, …
     size_t groups;
     struct group *group;
 };
@@ -34,6 +36,7 @@ struct bench {
     sphv_range *ranges;
     double *gathered[SPHV_DIMENSIONS + 1 + SPHV_PASS_FIELDS];
     double *sums;
+    bool gathers; ///< whether this group's candidates are few enough, or the last one's were
 };
 
 /// Groups never reach over the end of a row.
@@ -66,6 +69,9 @@ static sphv_status direct_make(struct direct *direct, const sphv_evaluation *eva
     if (!direct->passes) direct->passes = *sphv_pass_sets();
     sphv_status status = sphv_sorted_make(&direct->sorted, evaluation, 0, error);
     if (status != SPHV_OK) return status;
+    for (int f = 0; f < SPHV_PASS_FIELDS; f++)
+        direct->pass[f] = direct->passes->choose(
+            evaluation->layout.dimension, evaluation->layout.level, f + 1, &direct->sorted.radial);
     if (make_groups(direct)) return SPHV_OK;
     direct_free(direct);
     return sphv_fail(error, SPHV_RESOURCE_FAILURE, "out of memory for %zu particles",
@@ -83,6 +89,7 @@ static bool bench_make(struct bench *bench, const struct direct *direct)
     bench->pass = (sphv_pass){.radial = &direct->sorted.radial,
                               .layout = &direct->sorted.evaluation->layout,
                               .sums = bench->sums};
+    bench->gathers = true;
     return enough && bench->ranges && bench->sums;
 }
 
@@ -95,74 +102,105 @@ static void bench_free(struct bench *bench)
         free(bench->gathered[k]);
 }
 
-/// Puts the targets into the lanes, the last one into those left over, and finds their box.
-static void load_targets(const struct direct *direct, const struct group *group, sphv_pass *pass,
-                         double low[SPHV_DIMENSIONS], double high[SPHV_DIMENSIONS])
+/// Puts what the targets have into the lanes, and finds what it lies between.
+SPHV_CLONES static void load_lanes(const double *from, const uint32_t *target, double *to,
+                                   double *low, double *high)
 {
-    const sphv_cell_grid *grid = &direct->sorted.grid;
-    for (int i = 0; i < grid->dimension; i++) {
-        low[i] = INFINITY;
-        high[i] = -INFINITY;
-        for (uint32_t l = 0; l < SPHV_LANES_MAX; l++) {
-            uint32_t at = l < group->count ? l : group->count - 1;
-            double x = grid->x[i][grid->target[group->first + at]];
-            pass->x[i][l] = x;
-            if (x < low[i]) low[i] = x;
-            if (x > high[i]) high[i] = x;
-        }
+    double least = INFINITY, most = -INFINITY;
+#pragma omp simd reduction(min : least) reduction(max : most)
+    for (int l = 0; l < SPHV_LANES_MAX; l++) {
+        double value = from[target[l]];
+        to[l] = value;
+        least = value < least ? value : least;
+        most = value > most ? value : most;
+    }
+    *low = least;
+    *high = most;
+}
+
+/// Sums times scale, into rows of a block. All lanes: the block has room, and the next group's come
+/// over those that are left over.
+SPHV_CLONES static void store_rows(const double *sums, const double *scale, int count, double *to,
+                                   size_t stride)
+{
+    for (int k = 0; k < count; k++) {
+#pragma omp simd
+        for (int l = 0; l < SPHV_LANES_MAX; l++)
+            to[(size_t)k * stride + (size_t)l] = sums[k * SPHV_LANES_MAX + l] * scale[k];
     }
 }
 
-/// Sums of one pass into the block; those of the moments only with the first fields. All lanes: the
-/// block has room, and the next group's come over those that are left over.
+/// Sums of one pass into the block; those of the moments only with the first fields.
 static void store_sums(const struct direct *direct, struct bench *bench, size_t at, int first_field,
                        int fields)
 {
     const sphv_sum_layout *layout = &direct->sorted.evaluation->layout;
-    double *to = bench->worker.block.sums;
-    int head = layout->moments + 3;
-    for (int k = first_field ? head : 0; k < head + fields * layout->per_field; k++) {
-        int sum = k < head ? k : k + first_field * layout->per_field;
-        if (sum >= layout->count) break; // the field that stands in for none
-        const double *from = bench->sums + k * SPHV_LANES_MAX, scale = direct->sorted.scale[sum];
-        double *row = to + (size_t)sum * bench->worker.block.stride + at;
-        for (int l = 0; l < SPHV_LANES_MAX; l++) row[l] = from[l] * scale;
+    int head = layout->moments + 3, skip = first_field ? head : 0;
+    int to = skip + first_field * layout->per_field, end = head + fields * layout->per_field;
+    int most =
+        layout->count - first_field * layout->per_field; // less the field that stands in for none
+    size_t stride = bench->worker.block.stride;
+    store_rows(bench->sums + skip * SPHV_LANES_MAX, direct->sorted.scale + to,
+               (end < most ? end : most) - skip,
+               bench->worker.block.sums + (size_t)to * stride + at, stride);
+}
+
+/// Takes up to SPHV_PASS_FIELDS fields, from the f-th on, and the sources of the group's ranges.
+static void take_fields(const struct direct *direct, sphv_pass *pass, const uint32_t *target, int f,
+                        int fields)
+{
+    const sphv_sorted *sorted = &direct->sorted;
+    bool plain = sorted->evaluation->layout.level == SPHV_SUMS_PLAIN;
+    double low, high;
+    pass->sources = (sphv_sources){.v = sorted->v};
+    for (int i = 0; i < sorted->grid.dimension; i++) pass->sources.x[i] = sorted->grid.x[i];
+    for (int j = 0; j < SPHV_PASS_FIELDS; j++) { // the first again for want of a second
+        pass->sources.field[j] = sorted->field[j < fields ? f + j : f];
+        if (!plain) load_lanes(pass->sources.field[j], target, pass->a[j], &low, &high);
     }
 }
 
-/// The sums of one group's targets.
+/// The ranges of a group, and how many candidates they have. Which are sure matters only where they
+/// are not gathered; most groups do what the last one did.
+static size_t find_ranges(const struct direct *direct, struct bench *bench,
+                          const double low[SPHV_DIMENSIONS], const double high[SPHV_DIMENSIONS],
+                          size_t *total)
+{
+    const sphv_sorted *sorted = &direct->sorted;
+    for (;;) {
+        bool guess = bench->gathers;
+        size_t ranges = sphv_cell_grid_ranges(&sorted->grid, low, high, sorted->radial.limit,
+                                              !guess, bench->ranges);
+        *total = 0;
+        for (size_t r = 0; r < ranges; r++) *total += bench->ranges[r].to - bench->ranges[r].from;
+        bench->gathers = *total <= GATHERED && sorted->radial.form != SPHV_RADIAL_PROFILE;
+        if (bench->gathers || !guess) return ranges;
+    }
+}
+
+/// The sums of one group's targets; the last one is in the lanes that are left over, too.
 static void sum_group(const struct direct *direct, struct bench *bench, const struct group *group,
                       size_t at)
 {
-    const sphv_cell_grid *grid = &direct->sorted.grid;
+    const sphv_sorted *sorted = &direct->sorted;
+    const sphv_cell_grid *grid = &sorted->grid;
     sphv_pass *pass = &bench->pass;
-    double low[SPHV_DIMENSIONS], high[SPHV_DIMENSIONS], longest = 0, parts = 0;
-    load_targets(direct, group, pass, low, high);
-    size_t ranges =
-               sphv_cell_grid_ranges(grid, low, high, direct->sorted.radial.limit, bench->ranges),
-           total = 0;
-    for (size_t r = 0; r < ranges; r++) total += bench->ranges[r].to - bench->ranges[r].from;
-    bool gathers = total <= GATHERED && direct->sorted.radial.form != SPHV_RADIAL_PROFILE;
-    bool plain = direct->sorted.evaluation->layout.level == SPHV_SUMS_PLAIN;
-    int all = direct->sorted.fields ? (int)direct->sorted.fields : 1, d = grid->dimension;
+    const int all = sorted->fields ? (int)sorted->fields : 1, d = grid->dimension;
+    uint32_t target[SPHV_LANES_MAX];
+    double low[SPHV_DIMENSIONS], high[SPHV_DIMENSIONS];
+    size_t longest = 0, parts = 0, total = 0;
+    for (uint32_t l = 0; l < SPHV_LANES_MAX; l++)
+        target[l] = grid->target[group->first + (l < group->count ? l : group->count - 1)];
+    for (int i = 0; i < d; i++) load_lanes(grid->x[i], target, pass->x[i], &low[i], &high[i]);
+    size_t ranges = find_ranges(direct, bench, low, high, &total);
+    bool gathers = bench->gathers;
     for (int f = 0; f < all; f += SPHV_PASS_FIELDS) {
         int fields = all - f < SPHV_PASS_FIELDS ? all - f : SPHV_PASS_FIELDS;
-        sphv_sources sources = {.v = direct->sorted.v};
-        for (int i = 0; i < d; i++) sources.x[i] = grid->x[i];
-        for (int j = 0; j < SPHV_PASS_FIELDS; j++) { // the first again for want of a second
-            sources.field[j] = direct->sorted.field[j < fields ? f + j : f];
-            for (uint32_t l = 0; l < SPHV_LANES_MAX; l++) {
-                uint32_t target = l < group->count ? l : group->count - 1;
-                pass->a[j][l] = plain ? 0 : sources.field[j][grid->target[group->first + target]];
-            }
-        }
-        sphv_pass_function *function = direct->passes->choose(
-            d, direct->sorted.evaluation->layout.level, fields, &direct->sorted.radial);
         sphv_range whole = {0};
-        pass->sources = sources;
+        take_fields(direct, pass, target, f, fields);
         if (gathers) {
             whole.to =
-                direct->passes->gather(&sources, d, fields, low, high, direct->sorted.radial.limit,
+                direct->passes->gather(&pass->sources, d, fields, low, high, sorted->radial.limit,
                                        ranges, bench->ranges, bench->gathered);
             for (int i = 0; i < d; i++) pass->sources.x[i] = bench->gathered[i];
             pass->sources.v = bench->gathered[d];
@@ -170,20 +208,21 @@ static void sum_group(const struct direct *direct, struct bench *bench, const st
                 pass->sources.field[j] = bench->gathered[d + 1 + (j < fields ? j : 0)];
             total = whole.to;
         }
-        function(pass, gathers ? 1 : ranges, gathers ? &whole : bench->ranges);
+        direct->pass[fields - 1](pass, gathers ? 1 : ranges, gathers ? &whole : bench->ranges);
         store_sums(direct, bench, at, f, fields);
         for (size_t r = 0; r < (gathers ? 1 : ranges); r++) {
             const sphv_range *range = gathers ? &whole : &bench->ranges[r];
-            double length = (double)(range->to - range->from);
-            longest = fmax(longest, fmin(length, SPHV_PASS_PART));
-            if (f == 0) parts += ceil(length / SPHV_PASS_PART);
+            size_t length = range->to - range->from;
+            size_t part = length < SPHV_PASS_PART ? length : SPHV_PASS_PART;
+            longest = part > longest ? part : longest;
+            if (f == 0) parts += (length + SPHV_PASS_PART - 1) / SPHV_PASS_PART;
         }
     }
-    sphv_sorted_bound(&direct->sorted, &bench->worker, at, group->count, pass->neighbours,
-                      longest + parts);
+    sphv_sorted_bound(sorted, &bench->worker, at, group->count, pass->neighbours,
+                      (double)(longest + parts));
     bench->worker.tested += (double)total * group->count;
     for (uint32_t l = 0; l < group->count; l++)
-        bench->worker.particle[at + l] = grid->particle[grid->target[group->first + l]];
+        bench->worker.particle[at + l] = grid->particle[target[l]];
 }
 
 sphv_status sphv_evaluate_direct(const sphv_evaluation *evaluation, sphv_error *error)

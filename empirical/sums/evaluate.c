@@ -4,6 +4,7 @@
 #include <time.h>
 
 #include "../internal.h"
+#include "chunks.h"
 #include "evaluation.h"
 #include "half_pairs.h"
 #include "memory.h"
@@ -15,12 +16,12 @@ static double now(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
+/// What some numbers lie between, which have to be finite.
 static sphv_status check_numbers(const double *values, size_t count, const char *what, size_t which,
-                                 sphv_error *error)
+                                 sphv_span *span, sphv_error *error)
 {
-    int wrong = 0; // no way out in between: the loop is quicker
-    for (size_t i = 0; i < count; i++) wrong |= !(fabs(values[i]) <= DBL_MAX);
-    for (size_t i = 0; wrong && i < count; i++)
+    *span = sphv_span_of(values, count);
+    for (size_t i = 0; !span->finite && i < count; i++)
         if (!isfinite(values[i]))
             return sphv_fail(error, SPHV_INVALID_INPUT, "%s %zu of particle %zu is not finite",
                              what, which, i);
@@ -35,8 +36,9 @@ static bool representable(double h, double support, int dimension)
     return isnormal(square) && isnormal(volume) && isnormal(1 / volume);
 }
 
+/// \param spans  receives those of the fields
 static sphv_status check(const sphv_particles *particles, const sphv_request *request,
-                         sphv_error *error)
+                         sphv_span *spans, sphv_error *error)
 {
     const sphv_profile *profile = request->profile;
     if (!profile || profile->dimension != particles->dimension)
@@ -60,19 +62,23 @@ static sphv_status check(const sphv_particles *particles, const sphv_request *re
             sphv_method_level(request->methods[m]) >= SPHV_SUM_LEVELS)
             return sphv_fail(error, SPHV_INVALID_INPUT, "method %d does not exist",
                              (int)request->methods[m]);
-    sphv_status status = SPHV_OK;
-    for (int i = 0; status == SPHV_OK && i < particles->dimension; i++)
-        status =
-            check_numbers(particles->x[i], particles->count, "coordinate", (size_t)i + 1, error);
-    for (int i = 0; status == SPHV_OK && particles->periodic && i < particles->dimension; i++)
-        for (size_t b = 0; b < particles->count; b++)
-            if (!(particles->x[i][b] >= 0 && particles->x[i][b] <= 1))
+    sphv_span span;
+    for (int i = 0; i < particles->dimension; i++) {
+        const double *x = particles->x[i];
+        sphv_status status =
+            check_numbers(x, particles->count, "coordinate", (size_t)i + 1, &span, error);
+        if (status != SPHV_OK) return status;
+        bool outside = particles->periodic && (span.low < 0 || span.high > 1);
+        for (size_t b = 0; outside && b < particles->count; b++)
+            if (!(x[b] >= 0 && x[b] <= 1))
                 return sphv_fail(error, SPHV_INVALID_INPUT,
                                  "particle %zu is outside the periodic box [0, 1]", b);
-    if (status == SPHV_OK)
-        status = check_numbers(particles->volume, particles->count, "volume", 1, error);
+    }
+    sphv_status status =
+        check_numbers(particles->volume, particles->count, "volume", 1, &span, error);
     for (size_t f = 0; status == SPHV_OK && f < request->field_count; f++)
-        status = check_numbers(request->fields[f], particles->count, "field", f + 1, error);
+        status =
+            check_numbers(request->fields[f], particles->count, "field", f + 1, &spans[f], error);
     return status;
 }
 
@@ -82,13 +88,13 @@ static bool make_method(sphv_method_estimates *out, sphv_method method, int dime
     out->method = method;
     out->quantities = sphv_method_quantities(method, dimension);
     size_t arrays = fields * out->quantities;
-    out->condition = sphv_array(count, sizeof *out->condition);
-    out->fault = sphv_array(count, sizeof *out->fault);
+    out->condition = sphv_room(count, sizeof *out->condition);
+    out->fault = sphv_room(count, sizeof *out->fault);
     out->rounding = sphv_array(arrays, sizeof *out->rounding);
     out->estimate = sphv_array(arrays, sizeof *out->estimate);
     bool enough = out->condition && out->fault && out->rounding && out->estimate;
     for (size_t a = 0; enough && a < arrays; a++)
-        enough = (out->estimate[a] = sphv_array(count, sizeof **out->estimate)) != NULL;
+        enough = (out->estimate[a] = sphv_room(count, sizeof **out->estimate)) != NULL;
     return enough;
 }
 
@@ -96,7 +102,7 @@ static bool make_estimates(sphv_estimates *out, const sphv_request *request, int
                            size_t count)
 {
     *out = (sphv_estimates){.count = count, .field_count = request->field_count};
-    out->neighbours = sphv_array(count, sizeof *out->neighbours);
+    out->neighbours = sphv_room(count, sizeof *out->neighbours);
     out->methods = sphv_array(request->method_count, sizeof *out->methods);
     bool enough = out->neighbours && out->methods;
     for (size_t m = 0; enough && m < request->method_count; m++) {
@@ -135,24 +141,6 @@ double sphv_summand_rounding(const sphv_sum_layout *layout)
     return (SPHV_RADIAL_ERROR + 8 + 3 * degree) * SPHV_U;
 }
 
-/// max A − min A of each field, or max |A|; NULL without memory.
-static double *spread_of(const sphv_request *request, size_t count, bool plain)
-{
-    double *spread = sphv_array(request->field_count, sizeof *spread);
-    for (size_t f = 0; spread && f < request->field_count; f++) {
-        double least = INFINITY, most = -INFINITY;
-        for (size_t i = 0; i < count; i++) {
-            double value = request->fields[f][i];
-            if (value < least) least = value;
-            if (value > most) most = value;
-        }
-        spread[f] = !count  ? 0
-                    : plain ? fmax(fabs(least), fabs(most))
-                            : (most - least) * (1 + 2 * SPHV_U);
-    }
-    return spread;
-}
-
 static sphv_status visit_pairs(const sphv_evaluation *evaluation, sphv_error *error)
 {
     return sphv_half_pairs_win(evaluation) ? sphv_evaluate_half_pairs(evaluation, error)
@@ -166,14 +154,10 @@ static sphv_status evaluate_direct(const sphv_evaluation *evaluation, sphv_error
     sphv_evaluation plain = *evaluation;
     for (size_t m = 0; m < request->method_count; m++)
         if (request->methods[m] != SPHV_SPH) return visit_pairs(evaluation, error);
-    double *spread = spread_of(request, evaluation->particles->count, true);
-    if (!spread) return sphv_fail(error, SPHV_RESOURCE_FAILURE, "out of memory");
     plain.layout = sphv_sum_layout_make(evaluation->layout.dimension, SPHV_SUMS_PLAIN,
                                         (int)request->field_count);
-    plain.spread = spread;
-    sphv_status status = visit_pairs(&plain, error);
-    free(spread);
-    return status;
+    plain.spread = evaluation->largest;
+    return visit_pairs(&plain, error);
 }
 
 static sphv_status take_route(const sphv_evaluation *evaluation, sphv_error *error)
@@ -201,25 +185,36 @@ sphv_status sphv_estimate_particles(const sphv_particles *particles, const sphv_
 {
     double start = now();
     *out = (sphv_estimates){0};
-    sphv_status status = check(particles, request, error);
-    if (status != SPHV_OK) return status;
-    double *spread = spread_of(request, particles->count, false);
+    size_t fields = request->field_count;
+    sphv_span *spans = sphv_array(fields, sizeof *spans);
+    double *spread = sphv_array(fields, 2 * sizeof *spread), *largest = spread + fields;
+    sphv_status status = SPHV_OK;
+    if (spans && spread) status = check(particles, request, spans, error);
+    if (status != SPHV_OK || !spans || !spread ||
+        !make_estimates(out, request, particles->dimension, particles->count)) {
+        free(spans);
+        free(spread);
+        sphv_estimates_free(out);
+        if (status != SPHV_OK) return status;
+        return sphv_fail(error, SPHV_RESOURCE_FAILURE,
+                         "out of memory for the estimates of %zu particles", particles->count);
+    }
+    for (size_t f = 0; f < fields && particles->count; f++) {
+        spread[f] = (spans[f].high - spans[f].low) * (1 + 2 * SPHV_U);
+        largest[f] = fmax(fabs(spans[f].low), fabs(spans[f].high));
+    }
+    free(spans);
     sphv_evaluation evaluation = {
         .particles = particles,
         .request = request,
-        .layout = sphv_sum_layout_make(particles->dimension, sphv_request_level(request),
-                                       (int)request->field_count),
+        .layout =
+            sphv_sum_layout_make(particles->dimension, sphv_request_level(request), (int)fields),
         .spread = spread,
+        .largest = largest,
         .progress = progress,
         .context = context,
         .out = out,
     };
-    if (!spread || !make_estimates(out, request, particles->dimension, particles->count)) {
-        free(spread);
-        sphv_estimates_free(out);
-        return sphv_fail(error, SPHV_RESOURCE_FAILURE,
-                         "out of memory for the estimates of %zu particles", particles->count);
-    }
     status = take_route(&evaluation, error);
     free(spread);
     if (status != SPHV_OK) sphv_estimates_free(out);

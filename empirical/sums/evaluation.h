@@ -14,6 +14,7 @@ typedef struct sphv_evaluation {
     const sphv_request *request;
     sphv_sum_layout layout;
     const double *spread;   ///< max A − min A of each field
+    const double *largest;  ///< max |A| of each field; for sphv_estimate_particles alone
     sphv_progress progress; ///< may be NULL
     void *context;
     sphv_estimates *out;

@@ -83,7 +83,7 @@ static sphv_status half_make(struct half *half, const sphv_evaluation *evaluatio
         size_t length = row_begin(grid, r + 1) - row_begin(grid, r);
         if (length > half->room) half->room = length;
     }
-    half->room += SPARE;
+    half->room = (half->room + SPHV_LANES_MAX + SPARE) / SPHV_LANES_MAX * SPHV_LANES_MAX;
     half->total = sphv_array(half->count * half->sums, sizeof(double));
     half->number = sphv_array(half->count, sizeof(double));
     half->depth = sphv_array(half->count, sizeof(double));
@@ -105,8 +105,8 @@ static bool visit_make(struct visit *visit, const struct half *half)
                  .stride = half->count,
                  .room = half->room}};
     for (int i = 0; i < SPHV_DIMENSIONS; i++) visit->pass.sources.x[i] = sorted->grid.x[i];
-    visit->pass.row = calloc(half->room * half->sums, sizeof(double));
-    visit->pass.met = calloc(half->room, sizeof(double));
+    visit->pass.row = sphv_array(half->room * half->sums, sizeof(double));
+    visit->pass.met = sphv_array(half->room, sizeof(double));
     visit->pass.sure = calloc(half->room + 1, sizeof(double));
     visit->pass.neighbours = malloc(half->room * sizeof(double));
     visit->target = malloc(half->room * sizeof *visit->target);
@@ -157,6 +157,7 @@ static void visit_rows(struct half *half, struct visit *visit, size_t row, size_
     sphv_half_pass *pass = &visit->pass;
     size_t end, begin = list_targets(half, visit, row, other, &end);
     if (!pass->count) return;
+    begin = begin / SPHV_LANES_MAX * SPHV_LANES_MAX; // rows of sums begin where vectors do
     pass->first = begin;
     half->pass(pass);
     for (size_t t = 0; t < pass->count; t++) {

@@ -157,8 +157,9 @@ SPHV_INLINE void prepare_batch(const plan of, const sphv_half_pass *pass, const 
 
 /// Adds a batch to all sums. \param neighbours counts those of the lanes that are compared
 SPHV_INLINE void add_batch(const plan of, sphv_half_pass *pass, const sphv_radial *radial,
-                           const target *to, const batch *now, const sphv_radial_form form,
-                           const bool plain, const prepared *from, vec *neighbours, vec *sum)
+                           const target *to, size_t begin, const batch *now,
+                           const sphv_radial_form form, const bool plain, const prepared *from,
+                           vec *neighbours, vec *sum)
 {
     if (now->sure) {
         pass->sure[now->at - pass->first] += 1;
@@ -171,6 +172,7 @@ SPHV_INLINE void add_batch(const plan of, sphv_half_pass *pass, const sphv_radia
     for (size_t n = 0; n < now->count; n += LANES, from++) {
         double *met = pass->met + (now->at + n - pass->first);
         mask near = v_both(v_less(from->square, v_set(radial->limit)), v_first(now->count - n));
+        if (now->at + n < begin) near = v_without(near, v_first(begin - now->at - n));
         *neighbours = v_count(*neighbours, near);
         v_store(met, v_count(v_load(met), near));
         add_sources(of, pass, radial, to, now->at + n, form, plain, false, near, from, sum);
@@ -200,12 +202,13 @@ SPHV_INLINE void run(sphv_half_pass *pass, const int dimension, const sphv_sum_l
         UNROLL for (int f = 0; f < fields; f++) to.field[f] = v_set(pass->sources.field[f][a]);
         UNROLL for (int k = 0; k < count; k++) sum[k] = v_set(0);
         double sure = 0;
-        batch now = batch_at(&range, range.from);
+        batch now = batch_at(&range, range.from / LANES * LANES);
         prepare_batch(of, pass, &to, &now, form, ahead[0]);
         for (int n = 0; now.count > 0; n = !n) {
             batch next = batch_at(&range, now.at + now.count);
             prepare_batch(of, pass, &to, &next, form, ahead[!n]);
-            add_batch(of, pass, radial, &to, &now, form, plain, ahead[n], &neighbours, sum);
+            add_batch(of, pass, radial, &to, range.from, &now, form, plain, ahead[n], &neighbours,
+                      sum);
             if (now.sure) sure += (double)now.count;
             now = next;
         }

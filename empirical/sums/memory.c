@@ -9,7 +9,7 @@
 #include <sys/mman.h>
 #endif
 
-static const size_t PAGE = (size_t)2 << 20;
+static const size_t PAGE = (size_t)2 << 20, LINE = 64;
 
 /// Whether an array is worth large pages, and small enough to be rounded up to them.
 static bool is_large(size_t count, size_t size)
@@ -29,12 +29,13 @@ void *sphv_room(size_t count, size_t size)
         return array;
     }
 #endif
-    return calloc(count, size);
+    if (count > (SIZE_MAX - LINE) / size) return NULL;
+    return aligned_alloc(LINE, (count * size + LINE - 1) / LINE * LINE);
 }
 
 void *sphv_array(size_t count, size_t size)
 {
     void *array = sphv_room(count, size);
-    if (array && is_large(count, size)) memset(array, 0, count * size);
+    if (array && count > 0) memset(array, 0, count * size);
     return array;
 }

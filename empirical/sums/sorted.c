@@ -2,8 +2,27 @@
 
 #include <stdlib.h>
 
+#include "../clones.h"
 #include "../internal.h"
+#include "chunks.h"
 #include "memory.h"
+
+/// V/h^d. \return the largest modulus
+SPHV_CLONES static double scale_volumes(double *v, size_t count, double unit)
+{
+    double most = 0;
+#pragma omp simd reduction(max : most)
+    for (size_t b = 0; b < count; b++) {
+        v[b] /= unit;
+        most = fabs(v[b]) > most ? fabs(v[b]) : most;
+    }
+    return most;
+}
+
+static void take_field(double *to, const double *field, const uint32_t *particle, size_t count)
+{
+    for (size_t b = 0; b < count; b++) to[b] = field[particle[b]];
+}
 
 static bool make_sources(sphv_sorted *sorted)
 {
@@ -21,11 +40,16 @@ static bool make_sources(sphv_sorted *sorted)
         enough = (sorted->field[f] = sorted->fields ? sphv_room(n, sizeof(double))
                                                     : sphv_array(n, sizeof(double))) != NULL;
     if (!enough) return false;
-    for (size_t b = 0; b < grid->count; b++) {
-        sorted->v[b] /= unit;
-        sorted->v_most = fmax(sorted->v_most, fabs(sorted->v[b]));
+    const size_t chunks = sphv_chunks(grid->count);
+#pragma omp parallel for schedule(static) if (chunks > 1)
+    for (size_t c = 0; c < chunks; c++) {
+        size_t from = sphv_chunk_begin(grid->count, chunks, c);
+        size_t count = sphv_chunk_begin(grid->count, chunks, c + 1) - from;
+        double most = scale_volumes(sorted->v + from, count, unit);
         for (size_t f = 0; f < sorted->fields; f++)
-            sorted->field[f][b] = request->fields[f][grid->particle[b]];
+            take_field(sorted->field[f] + from, request->fields[f], grid->particle + from, count);
+#pragma omp critical(sphv_sorted)
+        sorted->v_most = fmax(sorted->v_most, most);
     }
     return true;
 }
@@ -76,25 +100,38 @@ sphv_status sphv_sorted_make(sphv_sorted *sorted, const sphv_evaluation *evaluat
     if (status != SPHV_OK) return status;
     sphv_radial_make(&sorted->radial, request->profile, request->h * sorted->grid.unit,
                      evaluation->layout.level);
+    sorted->rounding = sphv_summand_rounding(&evaluation->layout);
     if (make_sources(sorted) && make_scale(sorted)) return SPHV_OK;
     sphv_sorted_free(sorted);
     return sphv_fail(error, SPHV_RESOURCE_FAILURE, "out of memory for %zu particles",
                      evaluation->particles->count);
 }
 
+/// A number for each of some particles, from the number of their neighbours.
+SPHV_CLONES static void multiply(const double *neighbours, size_t count, double factor, double *to)
+{
+#pragma omp simd
+    for (size_t i = 0; i < count; i++) to[i] = factor * neighbours[i];
+}
+
+SPHV_CLONES static void set_bounds(sphv_worker *worker, size_t at, size_t count,
+                                   const double *neighbours, double rounding)
+{
+#pragma omp simd
+    for (size_t i = 0; i < count; i++) {
+        worker->rounding[at + i] = rounding;
+        worker->neighbours[at + i] = (unsigned)(int)neighbours[i]; // there are fewer than 2^29
+    }
+}
+
 void sphv_sorted_bound(const sphv_sorted *sorted, sphv_worker *worker, size_t at, size_t count,
                        const double *neighbours, double depth)
 {
     const sphv_sum_layout *layout = &sorted->evaluation->layout;
-    double rounding = sphv_summand_rounding(layout) + (depth + 2) * SPHV_U;
-    for (size_t i = 0; i < count; i++) {
-        worker->rounding[at + i] = rounding;
-        worker->neighbours[at + i] = (unsigned)neighbours[i];
-    }
+    set_bounds(worker, at, count, neighbours, sorted->rounding + (depth + 2) * SPHV_U);
     for (int k = 0; k < 3 && sorted->radial.form != SPHV_RADIAL_PROFILE; k++) {
-        double *size = worker->block.sums + (size_t)(layout->size_at + k) * worker->block.stride;
         double largest = sorted->radial.size[k] * sorted->v_most * (1 + 8 * SPHV_U);
-        for (size_t i = 0; i < count; i++)
-            size[at + i] = layout->field_at[k] < 0 ? 0 : largest * neighbours[i];
+        multiply(neighbours, count, layout->field_at[k] < 0 ? 0 : largest,
+                 worker->block.sums + (size_t)(layout->size_at + k) * worker->block.stride + at);
     }
 }

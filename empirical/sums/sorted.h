@@ -11,11 +11,12 @@ typedef struct sphv_sorted {
     const sphv_evaluation *evaluation;
     sphv_cell_grid grid;
     sphv_radial radial;
-    double *v;      ///< V/h^d of each source, where the sources' volumes were
-    double v_most;  ///< max |V|/h^d
-    size_t fields;  ///< the request's
-    double **field; ///< of each source; one at least, of zeros when there are none
-    double *scale;  ///< of each sum of the layout, from powers of d to powers of s
+    double *v;       ///< V/h^d of each source, where the sources' volumes were
+    double v_most;   ///< max |V|/h^d
+    double rounding; ///< of a summand
+    size_t fields;   ///< the request's
+    double **field;  ///< of each source; one at least, of zeros when there are none
+    double *scale;   ///< of each sum of the layout, from powers of d to powers of s
 } sphv_sorted;
 
 /// \param thickness of the rows, see sphv_cell_grid_make

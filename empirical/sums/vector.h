@@ -84,6 +84,10 @@ SPHV_INLINE mask v_both(mask a, mask b)
 {
     return a & b;
 }
+SPHV_INLINE mask v_without(mask a, mask b)
+{
+    return a & (mask)~b;
+}
 SPHV_INLINE mask v_first(size_t n)
 {
     return n < LANES ? (mask)((1u << n) - 1) : (mask)0xff;
@@ -178,6 +182,10 @@ SPHV_INLINE mask v_both(mask a, mask b)
 {
     return _mm256_and_pd(a, b);
 }
+SPHV_INLINE mask v_without(mask a, mask b)
+{
+    return _mm256_andnot_pd(b, a);
+}
 SPHV_INLINE mask v_first(size_t n)
 {
     return v_less(_mm256_set_pd(3, 2, 1, 0), v_set(n < LANES ? (double)n : LANES));
@@ -264,6 +272,10 @@ SPHV_INLINE vec v_count(vec n, mask m)
 SPHV_INLINE mask v_both(mask a, mask b)
 {
     return a & b;
+}
+SPHV_INLINE mask v_without(mask a, mask b)
+{
+    return a & ~b;
 }
 SPHV_INLINE mask v_first(size_t n)
 {

@@ -66,10 +66,12 @@ void sphv_worker_finish_block(sphv_worker *worker, size_t first, size_t count)
     sphv_estimates *out = worker->evaluation->out;
     worker->block.first = first;
     worker->block.count = count;
+    size_t pairs = 0;
     for (size_t i = 0; i < count; i++) {
         out->neighbours[worker->particle[i]] = worker->neighbours[i];
-        worker->pairs += worker->neighbours[i];
+        pairs += worker->neighbours[i];
     }
+    worker->pairs += (double)pairs;
     for (size_t f = 0; f < request->field_count; f++)
         for (size_t i = 0; i < count; i++)
             worker->values[f * worker->block.stride + i] = request->fields[f][worker->particle[i]];

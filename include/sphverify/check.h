@@ -40,8 +40,8 @@ typedef struct sphv_check_report {
 typedef struct sphv_check_options {
     int dimension; ///< only this one; 0: every dimension that the file declares
     /// Only the checks of the file's own numbers: exact arithmetic and quadrature, without particle
-    /// sums and Fourier transforms. For the self-test, which asks whether a defect is caught at
-    /// all.
+    /// sums and Fourier transforms; and the library, where there is one. For the self-test, which
+    /// asks whether a defect is caught at all.
     bool quick;
     /// Known kernels, to name the one that a faulty file resembles; may be NULL.
     const sphv_catalogue *reference;

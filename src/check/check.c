@@ -76,7 +76,7 @@ static const struct row rows[] = {
      sphv_check_fourier},
     {{"implementation", "a compiled library behaves, and computes the file's kernel"},
      ONCE,
-     true,
+     false,
      sphv_check_implementation},
 };
 

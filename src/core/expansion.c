@@ -271,13 +271,37 @@ void sphv_piece_values(const sphv_piece *piece, double q, sphv_result out[3])
     out[2] = rounded(2 * sum[2], 2 * roundings[2]);
 }
 
+/// i!/(i − derivative)!, exact as long as it is below 2^53.
+static inline double falling_factorial(int i, int derivative)
+{
+    double product = 1;
+    for (int k = 0; k < derivative; k++) product *= i - k;
+    return product;
+}
+
+/// A low derivative, whose factors are exact: inlined for each order, so that none of them costs a
+/// division.
+static inline sphv_result low_derivative(const double *c, int degree, int derivative, double t)
+{
+    const double *weight = c + degree + 1;
+    double sum = 0, roundings = 0;
+    for (int i = degree; i >= derivative; i--) {
+        double factor = falling_factorial(i, derivative);
+        sum = sum * t + c[i] * factor;
+        roundings = roundings * fabs(t) + weight[i] * factor;
+    }
+    return rounded(sum, roundings);
+}
+
 sphv_result sphv_piece_derivative(const sphv_piece *piece, int derivative, double q)
 {
     double t;
     const double *c = expansion_at(piece, q, &t), *weight = c + piece->degree + 1;
     if (derivative > piece->degree) return (sphv_result){0, 0};
-    double sum = 0, roundings = 0, factor = 1; // factor = i!/(i − derivative)!
-    for (int k = 0; k < derivative; k++) factor *= piece->degree - k;
+    if (derivative == 0) return low_derivative(c, piece->degree, 0, t);
+    if (derivative == 1) return low_derivative(c, piece->degree, 1, t);
+    if (derivative == 2) return low_derivative(c, piece->degree, 2, t);
+    double sum = 0, roundings = 0, factor = falling_factorial(piece->degree, derivative);
     bool exact_factor = factor * piece->degree < 0x1p53;
     for (int i = piece->degree; i >= derivative; i--) {
         sum = sum * t + c[i] * factor;

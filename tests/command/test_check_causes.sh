@@ -16,11 +16,28 @@ told() {
     esac
 }
 
-# edited NAME PART EDIT [FILE]
+# edited NAME PART EDIT [FILE]: the same of a file with that edit; judged together, at the end
 edited() {
     sed "$3" "${4:-$cubic}" >"$work/$1.yaml"
     cmp -s "${4:-$cubic}" "$work/$1.yaml" && failed "$1: the edit changes nothing"
-    told "$1" "$2" "$work/$1.yaml"
+    printf '%s\n' "$1" >>"$work/names"
+    printf '%s\n' "$2" >>"$work/parts"
+}
+
+# judge: all edited files, in one process and without the checks that take long
+judge() {
+    command_line='edited files'
+    # shellcheck disable=SC2046  # the names have no spaces
+    (cd "$work" && "$JUDGE_FILES" "$SPHVERIFY_DATA" $(sed 's/$/.yaml/' names)) >"$out" 2>"$err" ||
+        failed 'not every edited file could be judged'
+    is "$(wc -l <"$out")" "$(wc -l <"$work/names")" 'the number of files judged'
+    while IFS= read -r name <&3 && IFS= read -r part <&4 && IFS= read -r judged <&5; do
+        checks=$((checks + 1))
+        case $judged in
+        "disagrees "*"$part"*) ;;
+        *) failed "$name: judged '$judged', not 'disagrees' with '$part'" ;;
+        esac
+    done 3<"$work/names" 4<"$work/parts" 5<"$out"
 }
 
 # silent NAME EDIT [FILE]: a change that leaves the kernel sound
@@ -30,6 +47,14 @@ silent() {
     expect 0 check "$work/$1.yaml" --format json
     is "$(json verdict)" agrees "the verdict on $1"
 }
+
+# what is wrong, whatever is said of the cause
+edited last-coefficient '' 's|"-1/4"|"-0.25001"|'
+edited constant-five-digits '' 's|1d: "2/3"|1d: "0.66667"|'
+edited constant-3d-digits '' 's|3d: "1/pi"|3d: "0.3183099"|'
+edited smoothness '' 's|boundary_smoothness: 2|boundary_smoothness: 4|'
+edited knot-1e-3 '' 's|until: 1,|until: 1.001,|'
+edited negative '' 's/^claims:.*/claims: {non_negative: true}/' "$kernels/monaghan-m4-prime.yaml"
 
 # the pieces
 edited coefficient-1e-6 'the coefficient of q^2 in piece 1 is wrong' 's|"-3/2"|"-1.5000015"|'
@@ -105,6 +130,16 @@ edited gradient-digit 'the coefficient of q^9 is -0.009765635; w'"'"' needs -5/5
 edited gradient-swapped 'the coefficients of q^5 and q^7 are swapped' \
     's|"-15/16", "0", "5/32"|"5/32", "0", "-15/16"|' "$w10"
 
+pieces=$work/pieces.yaml
+{
+    cat "$cubic"
+    printf 'derivative:\n'
+    printf '  - {until: 1, coefficients: ["0", "-3", "9/4"]}\n'
+    printf '  - {until: 2, coefficients: ["-3", "3", "-3/4"]}\n'
+} >"$pieces"
+edited gradient-factor '' 's|"0", "-3", "9/4"|"-3", "9/4"|' "$pieces"
+edited gradient-piece-sign '' 's|"-3", "3", "-3/4"|"3", "-3", "3/4"|' "$pieces"
+
 # a bare file, without constants or claims, has less to contradict it, but a kernel must still be one
 bare=$work/bare.yaml
 sed '/^constants/d; /^claims/d' "$cubic" >"$bare"
@@ -116,6 +151,15 @@ edited bare-truncated 'truncated at q = 1.5' 's|until: 2,|until: 1.5,|; s|^suppo
 edited bare-overstated 'overstated' \
     's|^support: 2|support: 3|; s|^dimensions|  - {until: 3, coefficients: ["0"]}\n&|' "$bare"
 edited bare-offset 'the coefficient of q^0 in piece 2 is wrong' 's|"2", "-3"|"2.1", "-3"|' "$bare"
+
+judge
+# the command says the same, as JSON and by its exit status
+told swapped 'swapped: those of q^2 and q^3 in piece 1' "$work/swapped.yaml"
+told illegal 'the integral of w over 3 dimensions is not positive' "$work/illegal.yaml"
+told constant-pi 'pi is missing' "$work/constant-pi.yaml"
+told beta 'claims β = 3; found β = 2' "$work/beta.yaml"
+told gradient-q 'the gradient lacks a factor q' "$work/gradient-q.yaml"
+told bare-overstated 'overstated' "$work/bare-overstated.yaml"
 
 # what is meant is not a mistake
 silent no-claims '/^claims/d'

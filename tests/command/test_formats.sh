@@ -10,6 +10,8 @@ expect 0 kernels --format csv
 rows=$("$READ_OUTPUT" csv "$out") || failed 'kernels: not CSV'
 is "${rows% *}" "$files" 'the number of kernels'
 names=$("$READ_OUTPUT" column "$out" name)
+"$READ_OUTPUT" column "$out" dimensions >"$work/dimensions"
+on_a_line=$(printf '%s\n' "$names" | paste -d ' ' - "$work/dimensions" | sed -n 's/ 1\( .*\)*$//p')
 expect 0 kernels --format json
 "$READ_OUTPUT" json "$out" >/dev/null || failed 'kernels: not JSON'
 expect 0 kernels --format md
@@ -29,9 +31,10 @@ for kernel in cubic-spline gaussian sinc-3 monaghan-m4-prime; do
     "$READ_OUTPUT" finite "$out" || failed "kernel $kernel: bad CSV"
 done
 
-# error: every kernel agrees; the contract's fields, and the same numbers in JSON and CSV
-for kernel in $names; do
-    "$SPHVERIFY" kernel "$kernel" --dim 1 >/dev/null 2>&1 || continue # not legal in one dimension
+# error: every kernel for one dimension agrees; the contract's fields, and the same numbers in JSON
+# and CSV
+math 20 le "$(printf '%s\n' "$on_a_line" | wc -l)"
+for kernel in $on_a_line; do
     expect 0 error --kernel "$kernel" --h 1/50 --spacing 4/11
 done
 for kernel in cubic-spline quinlan-w8 quinlan-w10 gaussian; do

@@ -7,8 +7,9 @@
 # a small data folder: what fails here fails the same way with all kernels and scenes
 data=$work/data
 mkdir -p "$data/kernels" "$data/scenes"
-cp "$SPHVERIFY_DATA"/kernels/cubic-spline.yaml "$SPHVERIFY_DATA"/kernels/quinlan-w*.yaml \
-    "$SPHVERIFY_DATA"/kernels/gaussian.yaml "$data/kernels"
+for name in cubic-spline quinlan-w10 gaussian; do
+    cp "$SPHVERIFY_DATA/kernels/$name.yaml" "$data/kernels"
+done
 cp "$SPHVERIFY_DATA/scenes/quinlan-2006-fig-2a.yaml" "$data/scenes"
 scene=$data/scenes/quinlan-2006-fig-2a.yaml
 SPHVERIFY_DATA=$data

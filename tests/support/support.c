@@ -68,7 +68,7 @@ void random_start(const char *test)
     const char *wanted = getenv("SPHVERIFY_TEST_SEED");
     unsigned long seed = wanted ? strtoul(wanted, NULL, 10) : (unsigned long)time(NULL);
     if (!generator) {
-        generator = gsl_rng_alloc(gsl_rng_ranlxs2);
+        generator = gsl_rng_alloc(gsl_rng_mt19937);
         atexit(random_end);
     }
     assert_non_null(generator);

@@ -124,23 +124,28 @@ static void test_every_method(void **state)
     }
 }
 
-/// Boxes so large that most particles are summed by a rule.
+/// Boxes so large that most particles are summed by a rule, and supports so wide that the lines of
+/// their strips are, too.
 static void test_large_boxes(void **state)
 {
     (void)state;
     sphv_error error;
-    static const char *const fields[] = {"f1", "f2"};
+    static const struct {
+        const char *field;
+        size_t side;
+        double reach; ///< spacings within the support
+    } cases[] = {{"f1", 100, 2.03}, {"f2", 100, 2.03}, {"f1", 80, 35.6}, {"f2", 70, 33.2}};
     sphv_kernel *kernel = load_kernel("cubic-spline");
-    for (int i = 0; i < (quick() ? 0 : 2); i++) {
+    for (size_t i = 0; i < (quick() ? 0 : sizeof cases / sizeof *cases); i++) {
         struct trial trial = {.box = {.dimension = 2,
-                                      .side = 100,
+                                      .side = cases[i].side,
                                       .layout = SPHV_LATTICE,
                                       .placement = SPHV_PLACEMENT_VERTEX,
                                       .volume = SPHV_VOLUME_LATTICE},
                               .profile = sphv_kernel_profile(kernel, 2),
-                              .route = SPHV_ROUTE_DIRECT};
-        assert_ok(sphv_field_parse(fields[i], 2, &trial.field, &error), error);
-        trial.h = sqrt(13 / (4 * M_PI)) * sphv_box_spacing(&trial.box);
+                              .route = SPHV_ROUTE_AUTOMATIC};
+        assert_ok(sphv_field_parse(cases[i].field, 2, &trial.field, &error), error);
+        trial.h = cases[i].reach / trial.profile->support * sphv_box_spacing(&trial.box);
         run(&trial);
     }
     sphv_kernel_free(kernel);
