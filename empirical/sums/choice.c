@@ -77,6 +77,6 @@ bool sphv_convolution_wins(const sphv_evaluation *evaluation)
 bool sphv_half_pairs_win(const sphv_evaluation *evaluation)
 {
     const char *t = getenv("HALF");
-    return t && atoi(t) && evaluation->layout.level <= SPHV_SUMS_FIRST &&
+    return t && atoi(t) && evaluation->layout.level == SPHV_SUMS_PLAIN &&
            evaluation->layout.dimension > 1 && !evaluation->particles->periodic;
 }

@@ -13,6 +13,7 @@ enum { SPARE = 32 }; ///< places that a vector may reach over the end of a row
 struct half {
     sphv_sorted sorted;
     sphv_half_pass_function *pass;
+    size_t tile;      ///< targets that the pass takes together
     size_t count;     ///< particles
     size_t sums;      ///< of a pass: moments, and those of one or two fields
     size_t room;      ///< in a row's scratch
@@ -26,7 +27,7 @@ struct half {
 /// What one thread needs.
 struct visit {
     sphv_half_pass pass;
-    sphv_half_target *target;
+    sphv_half_tile *tile;
     double tested;
 };
 
@@ -78,7 +79,7 @@ static sphv_status half_make(struct half *half, const sphv_evaluation *evaluatio
     sphv_status status = sphv_sorted_make(&half->sorted, evaluation, thickness, error);
     if (status != SPHV_OK) return status;
     const sphv_cell_grid *grid = &half->sorted.grid;
-    half->pass = set->choose_half(layout->dimension, layout->level, fields, &half->sorted.radial);
+    half->pass = set->choose_half(layout->dimension, fields, &half->sorted.radial, &half->tile);
     for (size_t r = 0; r < grid->cells[1] * grid->cells[2]; r++) {
         size_t length = row_begin(grid, r + 1) - row_begin(grid, r);
         if (length > half->room) half->room = length;
@@ -109,10 +110,10 @@ static bool visit_make(struct visit *visit, const struct half *half)
     visit->pass.met = sphv_array(half->room, sizeof(double));
     visit->pass.sure = calloc(half->room + 1, sizeof(double));
     visit->pass.neighbours = malloc(half->room * sizeof(double));
-    visit->target = malloc(half->room * sizeof *visit->target);
-    visit->pass.target = visit->target;
+    visit->tile = malloc(half->room * sizeof *visit->tile);
+    visit->pass.tile = visit->tile;
     return visit->pass.row && visit->pass.met && visit->pass.sure && visit->pass.neighbours &&
-           visit->target;
+           visit->tile;
 }
 
 static void visit_free(struct visit *visit)
@@ -121,32 +122,41 @@ static void visit_free(struct visit *visit)
     free(visit->pass.met);
     free(visit->pass.sure);
     free(visit->pass.neighbours);
-    free(visit->target);
+    free(visit->tile);
 }
 
-/// Lists the targets of a row that have sources in another, or later ones in their own.
+/// Lists the tiles of a row that have sources in another, or later ones in their own.
 /// \param end receives the end of the sources that are met. \return their begin
-static size_t list_targets(const struct half *half, struct visit *visit, size_t row, size_t other,
-                           size_t *end)
+static size_t list_tiles(const struct half *half, struct visit *visit, size_t row, size_t other,
+                         size_t *end)
 {
     const sphv_cell_grid *grid = &half->sorted.grid;
-    size_t begin = row_begin(grid, other + 1);
+    size_t begin = row_begin(grid, other + 1), row_end = row_begin(grid, row + 1);
     *end = row_begin(grid, other);
     visit->pass.count = 0;
-    for (size_t a = row_begin(grid, row); a < row_begin(grid, row + 1); a++) {
-        double x[SPHV_DIMENSIONS] = {0, 0, 0};
-        sphv_range range;
-        for (int i = 0; i < grid->dimension; i++) x[i] = grid->x[i][a];
-        if (!sphv_cell_grid_range(grid, other, x, x, half->sorted.radial.limit, &range)) continue;
-        if (row == other) {
-            if (range.from <= a) range.from = a + 1;
-            if (range.sure <= a) range.sure = a + 1;
+    for (size_t a = row_begin(grid, row); a < row_end; a += half->tile) {
+        sphv_half_tile tile = {.first = a, .count = half->tile, .own = row == other};
+        double low[SPHV_DIMENSIONS] = {0, 0, 0}, high[SPHV_DIMENSIONS] = {0, 0, 0};
+        sphv_range *range = &tile.range;
+        if (row_end - a < half->tile) tile.count = row_end - a;
+        for (int i = 0; i < grid->dimension; i++) {
+            low[i] = high[i] = grid->x[i][a];
+            for (size_t t = 1; t < tile.count; t++) {
+                double x = grid->x[i][a + t];
+                low[i] = x < low[i] ? x : low[i];
+                high[i] = x > high[i] ? x : high[i];
+            }
         }
-        if (range.from >= range.to) continue;
-        visit->target[visit->pass.count++] = (sphv_half_target){a, range};
-        visit->tested += 2 * (double)(range.to - range.from);
-        if (range.from < begin) begin = range.from;
-        if (range.to > *end) *end = range.to;
+        if (!sphv_cell_grid_range(grid, other, low, high, half->sorted.radial.limit, range))
+            continue;
+        size_t behind = a + (tile.count < half->tile ? half->count : half->tile);
+        if (tile.own && range->from <= a) range->from = a + 1;
+        if ((tile.own || tile.count < half->tile) && range->sure < behind) range->sure = behind;
+        if (range->from >= range->to) continue;
+        visit->tile[visit->pass.count++] = tile;
+        visit->tested += 2 * (double)(tile.count * (range->to - range->from));
+        if (range->from < begin) begin = range->from;
+        if (range->to > *end) *end = range->to;
     }
     return begin;
 }
@@ -155,18 +165,22 @@ static size_t list_targets(const struct half *half, struct visit *visit, size_t 
 static void visit_rows(struct half *half, struct visit *visit, size_t row, size_t other)
 {
     sphv_half_pass *pass = &visit->pass;
-    size_t end, begin = list_targets(half, visit, row, other, &end);
+    size_t end, begin = list_tiles(half, visit, row, other, &end);
     if (!pass->count) return;
     begin = begin / SPHV_LANES_MAX * SPHV_LANES_MAX; // rows of sums begin where vectors do
     pass->first = begin;
+    pass->first_target = row_begin(&half->sorted.grid, row);
     half->pass(pass);
-    for (size_t t = 0; t < pass->count; t++) {
-        size_t a = visit->target[t].at;
-        half->number[a] += pass->neighbours[t];
-        half->depth[a] = fmax(half->depth[a], pass->neighbours[t]);
-    }
+    for (size_t i = 0; i < pass->count; i++)
+        for (size_t t = 0; t < visit->tile[i].count; t++) {
+            size_t a = visit->tile[i].first + t;
+            double met = pass->neighbours[a - pass->first_target];
+            half->number[a] += met;
+            half->depth[a] = fmax(half->depth[a], met);
+        }
     for (size_t k = 0; k < half->sums; k++) {
         double *total = half->total + k * half->count + begin, *sums = pass->row + k * pass->room;
+#pragma omp simd
         for (size_t b = 0; b < end - begin; b++) total[b] += sums[b];
         memset(sums, 0, (end - begin) * sizeof *sums);
     }

@@ -13,6 +13,7 @@ enum {
     SPHV_PASS_FIELDS = 2, ///< fields in one pass
     SPHV_PASS_PART = 256, ///< longest run of sources summed plainly; longer ones in parts
     SPHV_PASS_SUMS = 256, ///< of one pass: moments, sizes, field sums
+    SPHV_HALF_SUMS = SPHV_PASS_FIELDS * (1 + SPHV_DIMENSIONS), ///< of one half pass
 };
 
 /// Particles as arrays, in units in which h is of the order of 1.
@@ -41,27 +42,29 @@ typedef struct sphv_pass {
 
 typedef void sphv_pass_function(sphv_pass *pass, size_t count, const sphv_range *ranges);
 
-/// A target, and the sources of one row that may be its neighbours.
-typedef struct sphv_half_target {
-    size_t at;
+/// Targets that follow each other, and the sources of one row that may be their neighbours; `sure`
+/// only where there are as many targets as a tile takes.
+typedef struct sphv_half_tile {
+    size_t first, count;
+    bool own; ///< the row is their own: each meets the sources behind it
     sphv_range range;
-} sphv_half_target;
+} sphv_half_tile;
 
-/// Pairs that are visited once: targets one after the other, sources of one row in the lanes of a
-/// vector. The pass adds to the sums of both. Its sums are the moments and then those of each
-/// field, without sizes in between.
+/// Pairs that are visited once, for the sums of the level PLAIN: a tile of targets after the other,
+/// sources of one row in the lanes of a vector. The pass adds to the sums of both.
 typedef struct sphv_half_pass {
     const sphv_radial *radial;
-    sphv_sources sources; ///< at the level PLAIN, fields are v A; arrays have 8 places to spare
+    sphv_sources
+        sources; ///< fields are v A; arrays begin on a line of the cache, have 32 places to spare
     size_t count;
-    const sphv_half_target *target;
+    const sphv_half_tile *tile;
     double *total; ///< sum k of target a: total[k * stride + a]
     size_t stride;
     double *row; ///< sum k of source b: row[k * room + b − first]
-    size_t first, room;
-    double *neighbours; ///< of the i-th target: those met in this pass
+    size_t first, room, first_target;
+    double *neighbours; ///< of target a: those met in this pass, at a − first_target
     double *met;        ///< of source b − first, but for what `sure` knows
-    double *sure;       ///< runs of sources met: 1 where one begins, −1 behind its end
+    double *sure;       ///< runs of sources met: their number where one begins, less behind its end
 } sphv_half_pass;
 
 typedef void sphv_half_pass_function(sphv_half_pass *pass);
@@ -81,9 +84,10 @@ typedef struct sphv_pass_set {
     sphv_pass_function *(*choose)(int dimension, sphv_sum_level level, int fields,
                                   const sphv_radial *radial);
     sphv_gather_function *gather;
+    /// \param tile receives how many targets the pass takes together
     /// \return the pass that visits pairs once, NULL where there is none
-    sphv_half_pass_function *(*choose_half)(int dimension, sphv_sum_level level, int fields,
-                                            const sphv_radial *radial);
+    sphv_half_pass_function *(*choose_half)(int dimension, int fields, const sphv_radial *radial,
+                                            size_t *tile);
 } sphv_pass_set;
 
 /// Instruction sets that this processor has, best first, ended by NULL.

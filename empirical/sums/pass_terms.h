@@ -180,7 +180,7 @@ SPHV_INLINE bool suits(const pass_row *row, int dimension, sphv_sum_level level,
 }
 
 /// The half pass of this instruction set (half_pass.c).
-sphv_half_pass_function *PASS_NAME(sphv_choose_half)(int dimension, sphv_sum_level level,
-                                                     int fields, const sphv_radial *radial);
+sphv_half_pass_function *PASS_NAME(sphv_choose_half)(int dimension, int fields,
+                                                     const sphv_radial *radial, size_t *tile);
 
 #endif

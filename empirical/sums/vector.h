@@ -97,18 +97,25 @@ SPHV_INLINE double v_total(vec a)
     return _mm512_reduce_add_pd(a);
 } ///< over lanes
 
-/// Root and inverse root, 0 for 0, without the divider: an estimate good to 14 bits, and a series
-/// in what is left of 1 − a y², to which its fifth term would add 0.3 u. Each is wrong by 2 u at
-/// most: what rounds a·y halves, and the last operation rounds once.
-SPHV_INLINE vec v_root(vec a, vec *inverse)
+/// Root and inverse root without the divider: from an estimate of 1/√a good to 14 bits, a series in
+/// what is left of 1 − a y², to which its fifth term would add 0.3 u. Each is wrong by 2 u at most:
+/// what rounds a·y halves, and the last operation rounds once.
+SPHV_INLINE vec v_root_from(vec y, vec a, vec *inverse)
 {
-    vec y = _mm512_maskz_rsqrt14_pd(v_less(v_set(0), a), a), root = v_mul(a, y);
-    vec rest = v_fnma(root, y, v_set(1));
+    vec root = v_mul(a, y), rest = v_fnma(root, y, v_set(1));
     vec series = v_fma(v_fma(v_set(0.3125), rest, v_set(0.375)), rest, v_set(0.5));
     series = v_mul(series, rest);
     *inverse = v_fma(series, y, y);
     return v_fma(series, root, root);
 }
+SPHV_INLINE vec v_root_of(vec a, vec *inverse)
+{
+    return v_root_from(_mm512_rsqrt14_pd(a), a, inverse);
+} ///< of positive numbers
+SPHV_INLINE vec v_root(vec a, vec *inverse)
+{
+    return v_root_from(_mm512_maskz_rsqrt14_pd(v_less(v_set(0), a), a), a, inverse);
+} ///< 0 for 0
 
 #elif defined(__AVX2__) && defined(__FMA__) && !defined(SPHV_LANES_PLAIN)
 
@@ -293,6 +300,12 @@ SPHV_INLINE vec v_root(vec a, vec *inverse)
 {
     vec root = v_sqrt(a);
     *inverse = v_div_where(v_less(v_set(0), a), v_set(1), root);
+    return root;
+}
+SPHV_INLINE vec v_root_of(vec a, vec *inverse)
+{
+    vec root = v_sqrt(a);
+    *inverse = v_div(v_set(1), root);
     return root;
 }
 #endif
