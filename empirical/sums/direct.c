@@ -103,11 +103,10 @@ static void bench_free(struct bench *bench)
 }
 
 /// Puts what the targets have into the lanes, and finds what it lies between.
-SPHV_CLONES static void load_lanes(const double *from, const uint32_t *target, double *to,
-                                   double *low, double *high)
+static void load_lanes(const double *from, const uint32_t *target, double *to, double *low,
+                       double *high)
 {
     double least = INFINITY, most = -INFINITY;
-#pragma omp simd reduction(min : least) reduction(max : most)
     for (int l = 0; l < SPHV_LANES_MAX; l++) {
         double value = from[target[l]];
         to[l] = value;
