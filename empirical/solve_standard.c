@@ -1,5 +1,5 @@
 /// Standard SPH and Shepard's normalisation: no matrix, or a single number.
-#include "solve.h"
+#include "solve_pack.h"
 
 static const sphv_exponents one = {0, 0, 0};
 
@@ -56,15 +56,19 @@ SPHV_INLINE void shepard(const sphv_solve_task *task, const int d, size_t at)
     sphv_pack_finish(&pack);
 }
 
-SPHV_CLONES void sphv_solve_standard(const sphv_solve_task *task, size_t at){
-    SPHV_IN_DIMENSION(task, standard(task, 1, at, false), standard(task, 2, at, false),
-                      standard(task, 3, at, false))}
-
-SPHV_CLONES void sphv_solve_difference(const sphv_solve_task *task, size_t at){
-    SPHV_IN_DIMENSION(task, standard(task, 1, at, true), standard(task, 2, at, true),
-                      standard(task, 3, at, true))}
-
-SPHV_CLONES void sphv_solve_shepard(const sphv_solve_task *task, size_t at)
+void SPHV_SOLVER(standard)(const sphv_solve_task *task)
 {
-    SPHV_IN_DIMENSION(task, shepard(task, 1, at), shepard(task, 2, at), shepard(task, 3, at))
+    SPHV_EACH_PACK(task, standard(task, 1, at, false), standard(task, 2, at, false),
+                   standard(task, 3, at, false))
+}
+
+void SPHV_SOLVER(difference)(const sphv_solve_task *task)
+{
+    SPHV_EACH_PACK(task, standard(task, 1, at, true), standard(task, 2, at, true),
+                   standard(task, 3, at, true))
+}
+
+void SPHV_SOLVER(shepard)(const sphv_solve_task *task)
+{
+    SPHV_EACH_PACK(task, shepard(task, 1, at), shepard(task, 2, at), shepard(task, 3, at))
 }

@@ -1,5 +1,5 @@
 /// Methods that insert Taylor's series of the field into sums with the kernel's derivatives.
-#include "solve.h"
+#include "solve_pack.h"
 
 static const sphv_exponents one = {0, 0, 0};
 
@@ -99,18 +99,24 @@ SPHV_INLINE void taylor(const sphv_solve_task *task, const int d, size_t at, con
     sphv_pack_finish(&pack);
 }
 
-SPHV_CLONES void sphv_solve_bonet_lok(const sphv_solve_task *task, size_t at){
-    SPHV_IN_DIMENSION(task, corrected(task, 1, at, true), corrected(task, 2, at, true),
-                      corrected(task, 3, at, true))}
-
-SPHV_CLONES void sphv_solve_cspm(const sphv_solve_task *task, size_t at){
-    SPHV_IN_DIMENSION(task, corrected(task, 1, at, false), corrected(task, 2, at, false),
-                      corrected(task, 3, at, false))}
-
-SPHV_CLONES void sphv_solve_fpm(const sphv_solve_task *task, size_t at){
-    SPHV_IN_DIMENSION(task, taylor(task, 1, at, 2), taylor(task, 2, at, 3), taylor(task, 3, at, 4))}
-
-SPHV_CLONES void sphv_solve_msph(const sphv_solve_task *task, size_t at)
+void SPHV_SOLVER(bonet_lok)(const sphv_solve_task *task)
 {
-    SPHV_IN_DIMENSION(task, taylor(task, 1, at, 3), taylor(task, 2, at, 6), taylor(task, 3, at, 10))
+    SPHV_EACH_PACK(task, corrected(task, 1, at, true), corrected(task, 2, at, true),
+                   corrected(task, 3, at, true))
+}
+
+void SPHV_SOLVER(cspm)(const sphv_solve_task *task)
+{
+    SPHV_EACH_PACK(task, corrected(task, 1, at, false), corrected(task, 2, at, false),
+                   corrected(task, 3, at, false))
+}
+
+void SPHV_SOLVER(fpm)(const sphv_solve_task *task)
+{
+    SPHV_EACH_PACK(task, taylor(task, 1, at, 2), taylor(task, 2, at, 3), taylor(task, 3, at, 4))
+}
+
+void SPHV_SOLVER(msph)(const sphv_solve_task *task)
+{
+    SPHV_EACH_PACK(task, taylor(task, 1, at, 3), taylor(task, 2, at, 6), taylor(task, 3, at, 10))
 }
