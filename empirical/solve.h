@@ -109,18 +109,20 @@ SPHV_INLINE sphv_bounded sphv_own_value(const sphv_pack *pack, size_t field)
     return sphv_bounded_exact(sphv_lanes_load(from));
 }
 
-/// The pack of the block's particles `at` and after.
-SPHV_INLINE sphv_pack sphv_pack_make(const sphv_solve_task *task, size_t at)
+/// Makes the pack of the block's particles `at` and after; what is found out about them is left.
+SPHV_INLINE void sphv_pack_make(sphv_pack *pack, const sphv_solve_task *task, size_t at)
 {
     const sphv_sum_block *block = task->block;
-    size_t rest = block->count - at, have = rest < SPHV_LANES ? rest : SPHV_LANES;
-    sphv_pack pack = {.task = task, .block = block, .at = at, .have = have};
+    size_t rest = block->count - at;
     sphv_lanes rounding = sphv_lanes_load(block->rounding + at);
+    pack->task = task;
+    pack->block = block;
+    pack->at = at;
+    pack->have = rest < SPHV_LANES ? rest : SPHV_LANES;
     for (int k = 0; k < 3; k++) {
         size_t index = (size_t)block->layout->size_at + (size_t)k;
-        pack.size[k] = rounding * sphv_lanes_load(block->sums + index * block->stride + at);
+        pack->size[k] = rounding * sphv_lanes_load(block->sums + index * block->stride + at);
     }
-    return pack;
 }
 
 /// Condition of a 1 × 1 matrix that is a sum, from its defect: a bound of how much of it cancels.
@@ -135,9 +137,9 @@ SPHV_INLINE sphv_lanes sphv_pack_cancellation(const sphv_pack *pack, sphv_lanes 
     {                                                                                              \
         const size_t count = (task)->block->count;                                                 \
         const int dimension = (task)->block->layout->dimension;                                    \
-        for (size_t at = 0; dimension == 1 && at < count; at += SPHV_LANES) in_one;                \
-        for (size_t at = 0; dimension == 2 && at < count; at += SPHV_LANES) in_two;                \
-        for (size_t at = 0; dimension == 3 && at < count; at += SPHV_LANES) in_three;              \
+        for (size_t at = 0; dimension == 1 && at < count; at += SPHV_LANES) (in_one);              \
+        for (size_t at = 0; dimension == 2 && at < count; at += SPHV_LANES) (in_two);              \
+        for (size_t at = 0; dimension == 3 && at < count; at += SPHV_LANES) (in_three);            \
     }
 
 /// The name of a solver of the instruction set that this is compiled for.

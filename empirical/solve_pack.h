@@ -77,7 +77,7 @@ SPHV_INLINE void sphv_pack_store(sphv_pack *pack, size_t field, const sphv_bound
     double **estimate = task->out->estimate + field * quantities;
     double *rounding = task->out->rounding + field * quantities;
     const size_t *particle = pack->block->particle + pack->at;
-    sphv_lanes value[SPHV_QUANTITIES_MAX], bound[SPHV_QUANTITIES_MAX] = {{0}};
+    sphv_lanes value[SPHV_QUANTITIES_MAX], bound[SPHV_QUANTITIES_MAX];
     sphv_lane_mask plain = ~(sphv_lane_mask){0}; // finite, and no larger bounds than before
     for (size_t i = 0; i < quantities; i++) {
         double scale = task->scale[i == 0 ? 0 : i <= d ? 1 : 2];

@@ -31,7 +31,8 @@ SPHV_INLINE sphv_bounded field_slope(const sphv_pack *pack, const int d, size_t 
 /// derivative is c·∂b − (c·∂M) a.
 SPHV_INLINE void reproducing(const sphv_solve_task *task, const int d, size_t at, const int n)
 {
-    sphv_pack pack = sphv_pack_make(task, at);
+    sphv_pack pack;
+    sphv_pack_make(&pack, task, at);
     sphv_dense matrix;
     sphv_bounded c[SPHV_UNKNOWNS_MAX], moved[SPHV_DIMENSIONS][SPHV_UNKNOWNS_MAX];
     for (int i = 0; i < n; i++) {

@@ -8,7 +8,8 @@ static const sphv_exponents one = {0, 0, 0};
 SPHV_INLINE void standard(const sphv_solve_task *task, const int d, size_t at,
                           const bool difference)
 {
-    sphv_pack pack = sphv_pack_make(task, at);
+    sphv_pack pack;
+    sphv_pack_make(&pack, task, at);
     sphv_lanes condition = sphv_lanes_of(1), defect = sphv_lanes_of(0);
     const bool plain = task->block->layout->level == SPHV_SUMS_PLAIN;
     sphv_pack_judge(&pack, &condition, &defect);
@@ -35,7 +36,8 @@ SPHV_INLINE void standard(const sphv_solve_task *task, const int d, size_t at,
 /// A = ΣA_b W V_b/ΣW V_b and its derivative, with the field relative to the particle's own value.
 SPHV_INLINE void shepard(const sphv_solve_task *task, const int d, size_t at)
 {
-    sphv_pack pack = sphv_pack_make(task, at);
+    sphv_pack pack;
+    sphv_pack_make(&pack, task, at);
     sphv_bounded sum = sphv_moment(&pack, d, 0, one), over = sphv_bounded_reciprocal(sum);
     sphv_lanes defect = sum.error * sphv_lanes_abs(over.value);
     sphv_lanes condition = sphv_pack_cancellation(&pack, defect);

@@ -10,7 +10,8 @@ static const sphv_exponents one = {0, 0, 0};
 /// have the same gradient.
 SPHV_INLINE void corrected(const sphv_solve_task *task, const int d, size_t at, const bool mixed)
 {
-    sphv_pack pack = sphv_pack_make(task, at);
+    sphv_pack pack;
+    sphv_pack_make(&pack, task, at);
     sphv_bounded sum = sphv_moment(&pack, d, 0, one), over = sphv_bounded_reciprocal(sum);
     sphv_bounded slope[SPHV_DIMENSIONS];
     sphv_dense matrix;
@@ -77,7 +78,8 @@ SPHV_INLINE sphv_bounded tested_field(const sphv_pack *pack, const int d, size_t
 /// the derivatives times h^|β|, the value's relative to the particle's own.
 SPHV_INLINE void taylor(const sphv_solve_task *task, const int d, size_t at, const int n)
 {
-    sphv_pack pack = sphv_pack_make(task, at);
+    sphv_pack pack;
+    sphv_pack_make(&pack, task, at);
     sphv_dense matrix;
     for (int i = 0; i < n; i++) {
         for (int j = 0; j < n; j++) {
