@@ -153,6 +153,8 @@ SPHV_INLINE void run(sphv_pass *pass, size_t range_count, const sphv_range *rang
     UNROLL for (int i = 0; i < dimension; i++) x[i] = v_load(pass->x[i]);
     UNROLL for (int f = 0; f < fields; f++) a[f] = v_load(pass->a[f]);
     for (int k = 0; k < of.count; k++) v_store(pass->sums + k * SPHV_LANES_MAX, v_set(0));
+    // Zeros that the compiler does not know as such: it would write them to memory first.
+    const vec nought = v_sub(x[0], x[0]);
     for (size_t r = 0; r < range_count; r++) {
         const size_t sure = ranges[r].sure, sure_count = ranges[r].sure_to - sure;
         neighbours = v_add(neighbours, v_set((double)sure_count));
@@ -160,7 +162,7 @@ SPHV_INLINE void run(sphv_pass *pass, size_t range_count, const sphv_range *rang
             size_t b = from, to = from + SPHV_PASS_PART;
             if (ranges[r].to < to) to = ranges[r].to;
             vec sum[SPHV_PASS_SUMS];
-            UNROLL for (int k = 0; k < of.count; k++) sum[k] = v_set(0);
+            UNROLL for (int k = 0; k < of.count; k++) sum[k] = nought;
             for (; b < to && b < from + AHEAD; b++)
                 prepare(of, pass, x, b, form, b - sure < sure_count, &neighbours, &ahead[b % RING]);
             for (b = from; b < to; b++) {
