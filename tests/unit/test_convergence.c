@@ -15,15 +15,7 @@
 /// The small scene of tests/data as text.
 static char *small_text(void)
 {
-    char path[1000];
-    snprintf(path, sizeof path, "%s/../tests/data/scenes/convergence-small.yaml", data_directory());
-    FILE *file = fopen(path, "rb");
-    if (!file) fail_msg("%s cannot be opened", path);
-    char *text = calloc(1, 20000);
-    assert_non_null(text);
-    assert_true(fread(text, 1, 19999, file) > 1000);
-    fclose(file);
-    return text;
+    return file_read(data_directory(), "../tests/data/scenes/convergence-small.yaml");
 }
 
 /// The text with one part exchanged.
