@@ -10,21 +10,21 @@ enum { N = SPHV_QUANTITIES_MAX };
 /// Σ weight (e², bound², 1) of all and of interior particles.
 struct norms {
     double square[2][N], bound[2][N], count[2];
+    double margin[3][N]; ///< Σ weight P(1 − P) e^(2n), P the probability of being interior
     double excluded;
 };
 
 static void add_particle(sphv_box_theory *of, const sphv_line *const *line, struct norms *to)
 {
-    double x[SPHV_DIMENSIONS] = {0}, weight = 1;
+    double x[SPHV_DIMENSIONS] = {0}, weight = 1, inside = 1;
     int below[SPHV_DIMENSIONS], above[SPHV_DIMENSIONS];
-    bool interior = true;
     sphv_particle_errors errors;
     for (int i = 0; i < of->d; i++) {
         x[i] = line[i]->x;
         weight *= line[i]->weight;
         below[i] = line[i]->below;
         above[i] = line[i]->above;
-        interior = interior && line[i]->interior;
+        inside *= line[i]->inside;
     }
     sphv_theory_cut(of, below, above);
     if (!(of->shape.condition <= 1 / sqrt(DBL_EPSILON))) {
@@ -35,13 +35,18 @@ static void add_particle(sphv_box_theory *of, const sphv_line *const *line, stru
         sphv_singular_errors(of, line, x, &errors);
     else
         sphv_series_errors(of, line, &errors);
-    for (int part = 0; part < (interior ? 2 : 1); part++) {
+    for (int part = 0; part < (inside > 0 ? 2 : 1); part++) {
+        if (part == 1) weight *= inside;
         to->count[part] += weight;
         for (int q = 0; q < of->quantities; q++) {
             to->square[part][q] += weight * gsl_pow_2(errors.value[q]);
             to->bound[part][q] += weight * gsl_pow_2(errors.bound[q]);
         }
     }
+    // In the interior or not: what the chance of it adds to the variance of sums.
+    for (int q = 0; q < of->quantities && inside > 0 && inside < 1; q++)
+        for (int n = 0; n < 3; n++)
+            to->margin[n][q] += weight * (1 - inside) * gsl_pow_int(errors.value[q], 2 * n);
 }
 
 static void add_all(sphv_box_theory *of, const sphv_lines lines[SPHV_DIMENSIONS], struct norms *to)
@@ -119,6 +124,8 @@ static sphv_status sum_box(sphv_box_theory *of, const sphv_box *box, int order, 
                           .reach = of->octants->reach,
                           .periodic = box->periodic,
                           .margin = of->h * of->profile->support,
+                          .amplitude = box->amplitude,
+                          .jitter = box->jitter,
                           .singular_until = -1};
         if (i == 0 && of->field.singular) side.singular_until = 2 * side.margin;
         // On panels that double in length rules converge like 5.8^(−2 order).
@@ -207,6 +214,15 @@ static void finish(const struct norms *fine, const struct norms *coarse, int par
                  64 * SPHV_U * out->value;
 }
 
+/// Standard deviation of the interior's norm that comes from particles at its margin.
+static double margin_scatter(const struct norms *from, int quantity, double norm)
+{
+    if (!(norm > 0)) return 0;
+    double square = norm * norm, sum = from->margin[2][quantity];
+    sum += square * (square * from->margin[0][quantity] - 2 * from->margin[1][quantity]);
+    return sqrt(fmax(0, sum)) / from->count[1] / (2 * norm);
+}
+
 static sphv_status predict(sphv_box_theory *of, const sphv_box *box, sphv_box_prediction *out,
                            sphv_error *error)
 {
@@ -225,6 +241,7 @@ static sphv_status predict(sphv_box_theory *of, const sphv_box *box, sphv_box_pr
         finish(&fine, &coarse, 0, q, &out->rmse[q]);
         finish(&fine, &coarse, 1, q, &out->interior[q]);
         out->exists[q] = fine.count[0] > 0 && isfinite(out->rmse[q].value);
+        out->interior_scatter[q] = margin_scatter(&fine, q, out->interior[q].value);
     }
     out->rigour = of->field.narrow ? SPHV_RIGOUR_ASYMPTOTIC : SPHV_RIGOUR_EXACT;
     return SPHV_OK;
@@ -247,9 +264,13 @@ sphv_status sphv_predict_box_from(const sphv_box *box, const sphv_profile *profi
                           .h = h,
                           .volume = volume_ratio(box)};
     status = sphv_field_theory_make(field, &of.field, error);
+    sphv_jitter_sums jitter;
     if (status == SPHV_OK && box->amplitude > 0)
-        return sphv_predict_jitter(box, profile, h, of.volume, method, &of.field, out, error);
+        status = sphv_jitter_start(box, profile, h, of.volume, source == SPHV_MOMENTS_EVERY, method,
+                                   field, &jitter, error);
     if (status != SPHV_OK) return status;
+    if (box->amplitude > 0 && !jitter.wide)
+        return sphv_predict_jitter(&jitter, &of.field, out, error);
     of.degree = choose_degree(&of);
     int degree = of.degree + sphv_shape_degree(method);
     if (of.field.singular) {
@@ -257,10 +278,11 @@ sphv_status sphv_predict_box_from(const sphv_box *box, const sphv_profile *profi
         degree = (int)fmax(degree, of.rest_degree + sphv_shape_degree(method));
     }
     status = sphv_octants_make(profile, sphv_box_spacing(box) / h,
-                               source == SPHV_MOMENTS_LATTICE ? 1 : 4, degree, &octants, error);
+                               source == SPHV_MOMENTS_CONTINUUM ? 4 : 1, degree, &octants, error);
     if (status != SPHV_OK) return status;
     status = predict(&of, box, out, error);
     sphv_octants_free(&octants);
+    if (status == SPHV_OK && box->amplitude > 0) status = sphv_widen_jitter(&jitter, out, error);
     return status;
 }
 

@@ -76,17 +76,25 @@ typedef struct sphv_side {
     double spacing, offset; ///< x = (i + offset) spacing
     int reach;
     bool periodic;
-    double margin;         ///< what is nearer to an end than this is not interior
+    double margin;    ///< what is nearer to an end than this is not interior
+    double amplitude; ///< of perturbations, in spacings
+    sphv_jitter jitter;
     double singular_until; ///< up to here the field has no Taylor series; negative: nowhere
 } sphv_side;
 
 enum { SPHV_SUM_RULE = 32 };
 
+/// Gauss's rule for the sum over 0 … count − 1, exact to degree 2 order − 1.
+/// \param order  at most count
+/// \param place, weight receive `order` numbers, places from 0 to count − 1
+bool sphv_sum_rule(int order, double count, double *place, double *weight);
+
 /// A particle of a side, or a node that stands for `weight` of them.
 typedef struct sphv_line {
     double x, weight;
     int below, above; ///< lattice lines within reach on either side
-    bool interior, singular;
+    double inside;    ///< how likely the coordinate is to be the margin away from both ends
+    bool singular;
     /// factor[t * orders + n] = h^n φ_t^(n)(x), the field's t-th term in this coordinate
     const double *factor;
 } sphv_line;

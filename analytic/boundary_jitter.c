@@ -6,13 +6,11 @@
 enum {
     N = SPHV_QUANTITIES_MAX,
     SUM_ORDER = 8, ///< nodes of a panel of particles that are alike: 1e−5 for sin² 4πx
-    REACH_MAX = 4, ///< spacings in a support's radius
+    REACH_MAX = 4, ///< spacings in a support's radius where every neighbour is taken
 };
 
 /// Largest standard deviation of a displacement, in Δx, that is still small.
 static const double deviation_max = 0.15;
-/// A bound above this part of a prediction makes it worthless: the next order is no longer small.
-static const double bound_max = 0.25;
 
 static sphv_displacement displacement_of(const sphv_box *box, bool folded, double sign)
 {
@@ -28,16 +26,6 @@ static sphv_displacement displacement_of(const sphv_box *box, bool folded, doubl
     return (sphv_displacement){sign * middle, {-q, 0, q}, {w, 1 - 2 * w, w}};
 }
 
-/// How likely a coordinate is to be further than the margin from both sides.
-static double inside(const sphv_jitter_sums *of, const sphv_line *line, double margin)
-{
-    double dx = sphv_box_spacing(of->box), a = of->box->amplitude;
-    double depth = (fmin(line->x, 1 - line->x) - margin) / dx;
-    if (of->box->periodic) return 1;
-    if (of->box->jitter == SPHV_JITTER_UNIFORM) return fmin(1, fmax(0, 0.5 * (1 + depth / a)));
-    return 0.5 * erfc(-depth / (a * M_SQRT2));
-}
-
 /// Σ over particles of the whole box and of its interior.
 struct totals {
     double count[2], square[2][N], next[2][N], rounding[2][N]; ///< the last: of its square
@@ -47,10 +35,10 @@ struct totals {
 static void add_particle(sphv_jitter_sums *of, const sphv_line *const *line, struct totals *to)
 {
     sphv_jitter_effect effects;
-    double weight[2] = {1, 1}, margin = of->h * of->profile->support;
+    double weight[2] = {1, 1};
     for (int i = 0; i < of->d; i++) {
         weight[0] *= line[i]->weight;
-        weight[1] *= line[i]->weight * inside(of, line[i], margin);
+        weight[1] *= line[i]->weight * line[i]->inside;
     }
     sphv_jitter_neighbours(of, line);
     bool regular = sphv_jitter_effects(of, &effects);
@@ -77,7 +65,7 @@ static void finish(const struct totals *from, int part, size_t quantity, sphv_re
     // What was added last is as large as what is left out, or larger.
     out->bound = sqrt(square + next) - out->value;
     double rounding = sqrt(from->rounding[part][quantity] / from->count[part]);
-    if (from->singular[part] || !(out->bound <= bound_max * out->value + rounding))
+    if (from->singular[part] || !(out->bound <= SPHV_JITTER_BOUND_MAX * out->value + rounding))
         *out = (sphv_result){NAN, INFINITY};
     else
         out->bound += rounding;
@@ -101,6 +89,8 @@ static sphv_status sum_box(sphv_jitter_sums *of, const sphv_field_theory *field,
                           .reach = reach,
                           .periodic = of->box->periodic,
                           .margin = of->h * of->profile->support,
+                          .amplitude = of->box->amplitude,
+                          .jitter = of->box->jitter,
                           .singular_until = -1};
         if (i == 0 && field->singular) side.singular_until = 2 * side.margin;
         int order = field->narrow ? SPHV_SUM_RULE : SUM_ORDER;
@@ -130,11 +120,21 @@ static sphv_status check(const sphv_jitter_sums *of, sphv_error *error)
                          "perturbations of standard deviation %.3g spacings; the theory of boxes "
                          "goes to %g",
                          deviation, deviation_max);
-    if (of->profile->support / of->ds > REACH_MAX)
-        return sphv_fail(error, SPHV_NO_CLOSED_FORM,
-                         "a support of %.3g spacings on a perturbed lattice; the theory of boxes "
-                         "goes to %d",
-                         of->profile->support / of->ds, REACH_MAX);
+    // In three dimensions sums over few nodes would still be long, and of few nodes a bad estimate.
+    if (of->wide && of->d > 2)
+        return sphv_fail(
+            error, SPHV_NO_CLOSED_FORM,
+            "a support of %.3g spacings on a perturbed lattice; in three dimensions the "
+            "theory of boxes goes to %d",
+            of->profile->support / of->ds, REACH_MAX);
+    // Where p_2 has no bound at the origin, the nearest neighbours are not like the others.
+    if (of->wide && of->method == SPHV_MSPH &&
+        sphv_profile_derivative(of->profile, 3, 0).value != 0)
+        return sphv_fail(
+            error, SPHV_NO_CLOSED_FORM,
+            "the kernel's third derivative does not vanish at the origin: no theory of "
+            "perturbed boxes for method 'msph' with supports of more than %d spacings",
+            REACH_MAX);
     switch (of->method) {
     case SPHV_SPH:
     case SPHV_SPH_DIFFERENCE:
@@ -150,34 +150,41 @@ static sphv_status check(const sphv_jitter_sums *of, sphv_error *error)
     }
 }
 
-sphv_status sphv_predict_jitter(const sphv_box *box, const sphv_profile *profile, double h,
-                                double volume, sphv_method method, const sphv_field_theory *field,
+sphv_status sphv_jitter_start(const sphv_box *box, const sphv_profile *profile, double h,
+                              double volume, bool every, sphv_method method,
+                              const sphv_field *field, sphv_jitter_sums *out, sphv_error *error)
+{
+    *out = (sphv_jitter_sums){.box = box,
+                              .profile = profile,
+                              .field = field,
+                              .method = method,
+                              .d = box->dimension,
+                              .degree = sphv_shape_degree(method),
+                              .quantities = sphv_method_quantities(method, box->dimension),
+                              .h = h,
+                              .ds = sphv_box_spacing(box) / h,
+                              .free = displacement_of(box, false, 1),
+                              .low = displacement_of(box, true, 1),
+                              .high = displacement_of(box, true, -1)};
+    out->terms = sphv_monomial_count(out->d, out->degree);
+    out->v = volume * gsl_pow_int(out->ds, out->d);
+    out->wide = !every && profile->support / out->ds > REACH_MAX;
+    return check(out, error);
+}
+
+sphv_status sphv_predict_jitter(sphv_jitter_sums *of, const sphv_field_theory *field,
                                 sphv_box_prediction *out, sphv_error *error)
 {
     struct totals totals = {0};
-    sphv_jitter_sums of = {.box = box,
-                           .profile = profile,
-                           .field = field->field,
-                           .method = method,
-                           .d = box->dimension,
-                           .degree = sphv_shape_degree(method),
-                           .quantities = sphv_method_quantities(method, box->dimension),
-                           .h = h,
-                           .ds = sphv_box_spacing(box) / h,
-                           .free = displacement_of(box, false, 1),
-                           .low = displacement_of(box, true, 1),
-                           .high = displacement_of(box, true, -1)};
-    of.terms = sphv_monomial_count(of.d, of.degree);
-    of.v = volume * gsl_pow_int(of.ds, of.d);
-    sphv_status status = check(&of, error);
-    if (status == SPHV_OK) status = sum_box(&of, field, &totals, error);
+    sphv_status status = sum_box(of, field, &totals, error);
     if (status != SPHV_OK) return status;
-    out->quantities = of.quantities;
+    out->quantities = of->quantities;
     out->rigour = SPHV_RIGOUR_STATISTICAL;
-    for (size_t q = 0; q < of.quantities; q++) {
+    for (size_t q = 0; q < of->quantities; q++) {
         finish(&totals, 0, q, &out->rmse[q]);
         finish(&totals, 1, q, &out->interior[q]);
         out->exists[q] = isfinite(out->rmse[q].value) || isfinite(out->interior[q].value);
+        out->scatter[q] = out->interior_scatter[q] = INFINITY;
     }
     return SPHV_OK;
 }

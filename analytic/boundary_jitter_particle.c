@@ -14,8 +14,7 @@ enum { N = SPHV_QUANTITIES_MAX, NODES = SPHV_JITTER_NODES };
 /// Largest variance of B⁻¹δB that is small: beyond, the series of (B + δB)⁻¹ is of no use.
 static const double matrix_variance_max = 0.1;
 
-/// What the perturbation of a coordinate is at x: on a side of the box it is folded inwards.
-static const sphv_displacement *moved_at(const sphv_jitter_sums *of, double x)
+const sphv_displacement *sphv_jitter_at(const sphv_jitter_sums *of, double x)
 {
     double near = 1e-6 * sphv_box_spacing(of->box);
     if (!of->box->reflected) return &of->free;
@@ -75,19 +74,20 @@ static bool evaluate(const sphv_jitter_sums *of, int coordinate, double at, sphv
     *own = field_at(of, x);
     for (int pass = 0; pass < 2; pass++) {
         for (size_t b = 0; b <= of->count; b++) { // the particle itself comes last
-            double s[SPHV_DIMENSIONS] = {0};
+            double s[SPHV_DIMENSIONS] = {0}, v = of->v;
             if (b < of->count) {
                 memcpy(s, of->neighbour[b].s, sizeof s);
                 s[coordinate] -= at * of->ds;
+                v *= of->neighbour[b].weight;
             }
             if (!basis(of, s, p, monomial, pass ? of->terms : count)) continue;
             if (pass) {
                 double value = b < of->count ? of->neighbour[b].value : *own;
                 shape_functions(of, shape, p, monomial, chi);
-                for (size_t q = 0; q < of->quantities; q++) estimate[q] += of->v * value * chi[q];
+                for (size_t q = 0; q < of->quantities; q++) estimate[q] += v * value * chi[q];
             } else {
                 for (int k = 0; k < SPHV_RADIALS; k++)
-                    for (size_t m = 0; m < count; m++) moment[k][m] += of->v * p[k] * monomial[m];
+                    for (size_t m = 0; m < count; m++) moment[k][m] += v * p[k] * monomial[m];
             }
         }
         if (pass) break;
@@ -243,20 +243,21 @@ static void add_across(const sphv_jitter_sums *of, const sphv_jitter_neighbour *
     }
 }
 
-/// All effects of a neighbour.
-static void add_neighbour(const sphv_jitter_sums *of, const sphv_jitter_neighbour *b,
-                          sphv_jitter_effect *to)
+/// All effects of one neighbour.
+static void find_neighbour(const sphv_jitter_sums *of, const sphv_jitter_neighbour *b,
+                           sphv_jitter_effect *to)
 {
     double base[N], base_matrix[N][N], effect[SPHV_DIMENSIONS][NODES][N];
     double third[SPHV_DIMENSIONS][N] = {{0}};
     double variance = 2 * of->free.weight[2] * gsl_pow_2(of->free.at[2]);
-    bool folded = false;
+    // Where the next order is not found, or not worth it, its size follows from curvatures.
+    bool rough = of->wide;
     response(of, b->s, b->value, base, base_matrix);
     for (int i = 0; i < of->d; i++) {
         find_main(of, b, i, base, base_matrix, effect[i], to);
-        folded = folded || b->moved[i] != &of->free;
+        rough = rough || b->moved[i] != &of->free;
     }
-    for (int i = 0; i < of->d && !folded; i++) {
+    for (int i = 0; i < of->d && !rough; i++) {
         add_along(of, b, i, variance, (const double(*)[N])effect[i], third[i], to);
         for (int j = 0; j < i; j++) add_across(of, b, i, j, variance, effect, third, base, to);
     }
@@ -264,7 +265,7 @@ static void add_neighbour(const sphv_jitter_sums *of, const sphv_jitter_neighbou
         for (size_t q = 0; q < of->quantities; q++) {
             double before = to->variance[q], mean = to->mean[q];
             add_effect(b->moved[i], q, effect[i], to);
-            if (folded) { // by the curvature alone
+            if (rough) {
                 double even = to->mean[q] - mean - effect[i][1][q];
                 to->next[q] += 4 * (1 + 1.5 * (of->d - 1)) * even * even;
                 continue;
@@ -277,6 +278,22 @@ static void add_neighbour(const sphv_jitter_sums *of, const sphv_jitter_neighbou
             add_effect(b->moved[i], q, effect[i], to);
             to->next[q] += fabs(to->variance[q] - before - plain);
         }
+}
+
+/// Adds the effects of a neighbour, or of those that it stands for.
+static void add_neighbour(const sphv_jitter_sums *of, const sphv_jitter_neighbour *b,
+                          sphv_jitter_effect *to)
+{
+    sphv_jitter_effect one = {0};
+    find_neighbour(of, b, &one);
+    for (size_t q = 0; q < of->quantities; q++) {
+        to->mean[q] += b->weight * one.mean[q];
+        to->variance[q] += b->weight * one.variance[q];
+        to->next[q] += b->weight * one.next[q];
+        to->drift[q] += b->weight * one.drift[q];
+        for (size_t g = 0; g < of->quantities; g++)
+            to->matrix[q][g] += b->weight * one.matrix[q][g];
+    }
 }
 
 /// Rounding of the moments, of the solve and of sums of effects: each of the values summed is in
@@ -292,13 +309,24 @@ static void find_rounding(const sphv_jitter_sums *of, const double *scale, sphv_
     for (size_t b = 0; b <= of->count; b++) { // the particle itself comes last
         static const double origin[SPHV_DIMENSIONS] = {0};
         double value = b < of->count ? of->neighbour[b].value : of->own;
+        double v = b < of->count ? of->v * fabs(of->neighbour[b].weight) : of->v;
         if (!basis(of, b < of->count ? of->neighbour[b].s : origin, p, monomial, of->terms))
             continue;
         shape_functions(of, &of->shape, p, monomial, chi);
         for (size_t q = 0; q < of->quantities; q++)
-            to->rounding[q] += of->v * fabs(chi[q]) * fmax(fabs(value), fabs(of->own));
+            to->rounding[q] += v * fabs(chi[q]) * fmax(fabs(value), fabs(of->own));
     }
     for (size_t q = 0; q < of->quantities; q++) to->rounding[q] *= relative;
+}
+
+bool sphv_jitter_error(sphv_jitter_sums *of, double *out)
+{
+    const sphv_monomial *table = sphv_monomials(of->d);
+    if (!evaluate(of, 0, 0, &of->shape, of->estimate, &of->own)) return false;
+    for (size_t q = 0; q < of->quantities; q++)
+        out[q] = of->estimate[q] - gsl_pow_int(of->h, table[q].degree) *
+                                       sphv_field_derivative(of->field, table[q].power, of->x);
+    return true;
 }
 
 bool sphv_jitter_effects(sphv_jitter_sums *of, sphv_jitter_effect *to)
@@ -306,12 +334,9 @@ bool sphv_jitter_effects(sphv_jitter_sums *of, sphv_jitter_effect *to)
     double at_lattice[N], scale[N], own, effect[NODES][N];
     const sphv_monomial *table = sphv_monomials(of->d);
     *to = (sphv_jitter_effect){0};
-    of->own = field_at(of, of->x);
-    if (!evaluate(of, 0, 0, &of->shape, of->estimate, &own)) return false;
+    if (!sphv_jitter_error(of, at_lattice)) return false;
     for (size_t q = 0; q < of->quantities; q++) {
         scale[q] = gsl_pow_int(of->h, table[q].degree);
-        at_lattice[q] =
-            of->estimate[q] - scale[q] * sphv_field_derivative(of->field, table[q].power, of->x);
         to->mean[q] = at_lattice[q];
     }
     find_rounding(of, scale, to);
@@ -330,6 +355,7 @@ bool sphv_jitter_effects(sphv_jitter_sums *of, sphv_jitter_effect *to)
         }
         for (size_t q = 0; q < of->quantities; q++) add_effect(moved, q, effect, to);
     }
+    memcpy(to->own, to->variance, sizeof to->own);
     for (size_t b = 0; b < of->count; b++) add_neighbour(of, &of->neighbour[b], to);
     // B⁻¹δB upon the noise: its mean, and that of one particle upon the noise of another.
     double noise[N], largest = 0;
@@ -354,7 +380,7 @@ void sphv_jitter_neighbours(sphv_jitter_sums *of, const sphv_line *const *line)
     // Those that a perturbation may bring into the support belong to it.
     double reach = of->profile->support + 4 * of->box->amplitude * of->ds;
     for (int i = 0; i < of->d; i++) {
-        of->moved[i] = moved_at(of, line[i]->x);
+        of->moved[i] = sphv_jitter_at(of, line[i]->x);
         of->x[i] = line[i]->x + of->moved[i]->mean * dx;
         offset[i] = -line[i]->below;
     }
@@ -362,12 +388,12 @@ void sphv_jitter_neighbours(sphv_jitter_sums *of, const sphv_line *const *line)
     for (;;) {
         sphv_jitter_neighbour *b = &of->neighbour[of->count];
         double square = 0;
-        *b = (sphv_jitter_neighbour){0};
+        *b = (sphv_jitter_neighbour){.weight = 1};
         for (int i = 0; i < of->d; i++) {
             double x = line[i]->x + offset[i] * dx;
             // Exactly on the side, or a power of x may be that of a negative number.
             if (fabs(x) < 1e-6 * dx) x = 0;
-            b->moved[i] = moved_at(of, x);
+            b->moved[i] = sphv_jitter_at(of, x);
             b->x[i] = x + b->moved[i]->mean * dx;
             b->s[i] = (offset[i] + b->moved[i]->mean - of->moved[i]->mean) * of->ds;
             square += b->s[i] * b->s[i];

@@ -14,8 +14,7 @@
 /// Lines of a strip that stand for themselves next to its end: the margin of the interior is there.
 enum { STRIP_END = 3 };
 
-/// \param place, weight receive `order` numbers, places from 0 to count − 1
-static bool sum_rule(int order, double count, double *place, double *weight)
+bool sphv_sum_rule(int order, double count, double *place, double *weight)
 {
     bool done = false;
     gsl_matrix *jacobi = gsl_matrix_calloc((size_t)order, (size_t)order);
@@ -84,6 +83,17 @@ static bool choose_lines(int order, double count, double *place, double *weight)
     return done;
 }
 
+/// Whether a coordinate is the margin away from both ends, or how likely where it is perturbed.
+static double inside(const sphv_side *side, double x)
+{
+    double depth = fmin(x, 1 - x), spacings = (depth - side->margin) / side->spacing;
+    if (side->periodic) return 1;
+    if (!(side->amplitude > 0)) return depth >= side->margin * (1 - 1e-12) ? 1 : 0;
+    if (side->jitter == SPHV_JITTER_UNIFORM)
+        return fmin(1, fmax(0, 0.5 * (1 + spacings / side->amplitude)));
+    return 0.5 * erfc(-spacings / (side->amplitude * M_SQRT2));
+}
+
 static void add_line(sphv_lines *lines, const sphv_side *side, double index, double weight)
 {
     double last = (double)side->count - 1;
@@ -92,7 +102,7 @@ static void add_line(sphv_lines *lines, const sphv_side *side, double index, dou
     line->below = side->periodic ? side->reach : (int)fmin(side->reach, index);
     line->above = side->periodic ? side->reach : (int)fmin(side->reach, last - index);
     line->weight = weight;
-    line->interior = side->periodic || fmin(line->x, 1 - line->x) >= side->margin * (1 - 1e-12);
+    line->inside = inside(side, line->x);
     line->singular = line->x <= side->singular_until;
 }
 
@@ -104,7 +114,7 @@ static bool add_panel(sphv_lines *lines, const sphv_side *side, double from, dou
         for (double i = from; i < to; i++) add_line(lines, side, i, 1);
         return true;
     }
-    if (!sum_rule(order, to - from, place, weight)) return false;
+    if (!sphv_sum_rule(order, to - from, place, weight)) return false;
     for (int i = 0; i < order; i++) add_line(lines, side, from + place[i], weight[i]);
     lines->exhaustive = false;
     return true;

@@ -194,8 +194,19 @@ SPHV_INLINE void sphv_dense_solve_inline(const int n, const sphv_dense *of, cons
                                          sphv_lanes_of(INFINITY));
 }
 
-void sphv_dense_factor_large(int n, sphv_dense *of);
-void sphv_dense_solve_large(int n, const sphv_dense *of, const sphv_bounded *b, sphv_bounded *out);
+// One copy in each file, which need not use it.
+#define SPHV_APART static __attribute__((noinline, unused))
+
+SPHV_APART void sphv_dense_factor_large(int n, sphv_dense *of)
+{
+    sphv_dense_factor_inline(n, of);
+}
+
+SPHV_APART void sphv_dense_solve_large(int n, const sphv_dense *of, const sphv_bounded *b,
+                                       sphv_bounded *out)
+{
+    sphv_dense_solve_inline(n, of, b, out);
+}
 
 SPHV_INLINE void sphv_dense_factor(const int n, sphv_dense *of)
 {

@@ -1,9 +1,10 @@
 /// \file lanes.h
-/// Four particles side by side, one in each lane of a vector, and numbers that carry a bound of
-/// their rounding error. (Compilers take comparisons of wider vectors apart, lane by lane.)
+/// Particles side by side, one in each lane of a vector, and numbers that carry a bound of their
+/// rounding error.
 ///
-/// Compilers turn the vectors into whatever registers the processor has; lanes never mix, so a
-/// particle's result does not depend on its neighbours in the pack.
+/// Eight where a file is compiled for registers that hold as many, else four: compilers take
+/// comparisons of vectors wider than registers apart, lane by lane. Lanes never mix, so a
+/// particle's result depends neither on its neighbours in the pack nor on their number.
 #ifndef SPHVERIFY_EMPIRICAL_LANES_H
 #define SPHVERIFY_EMPIRICAL_LANES_H
 
@@ -13,10 +14,16 @@
 #include "clones.h"
 #include "internal.h"
 
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+#include <immintrin.h>
+enum { SPHV_LANES = 8 };
+typedef double sphv_lanes __attribute__((vector_size(64)));
+typedef long long sphv_lane_mask __attribute__((vector_size(64)));
+#else
 enum { SPHV_LANES = 4 };
-
 typedef double sphv_lanes __attribute__((vector_size(32)));
 typedef long long sphv_lane_mask __attribute__((vector_size(32))); ///< all bits set where true
+#endif
 
 SPHV_INLINE sphv_lanes sphv_lanes_of(double value)
 {
@@ -52,9 +59,13 @@ SPHV_INLINE sphv_lanes sphv_lanes_max(sphv_lanes a, sphv_lanes b)
 
 SPHV_INLINE bool sphv_lanes_any(sphv_lane_mask mask)
 {
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+    return _mm512_movepi64_mask((__m512i)mask) != 0;
+#else
     long long any = 0;
     for (int l = 0; l < SPHV_LANES; l++) any |= mask[l];
     return any != 0;
+#endif
 }
 
 /// A number whose true value is within `error` of `value`. The errors' own arithmetic is off by a

@@ -1,6 +1,6 @@
-#include "solve.h"
-
-#include <limits.h>
+#include "clones.h"
+#include "processor.h"
+#include "solvers.h"
 
 const sphv_name_row sphv_faults[] = {
     {"none", "sound"},
@@ -12,121 +12,24 @@ const sphv_name_row sphv_faults[] = {
     {NULL, NULL},
 };
 
-/// Whether the pack is full, and all its particles have estimates beyond doubt.
-SPHV_INLINE bool all_sound(const sphv_pack *pack, sphv_lane_mask fine)
+extern const sphv_solver_set sphv_solvers_plain;
+#ifdef SPHV_X86_PASSES
+extern const sphv_solver_set sphv_solvers_avx512, sphv_solvers_avx2;
+#endif
+
+const sphv_solver_set *const *sphv_solver_sets(void)
 {
-    size_t fewest = pack->task->least < 2 ? 2 : pack->task->least;
-    unsigned least = UINT_MAX;
-    if (pack->have < SPHV_LANES || sphv_lanes_any(~fine)) return false;
-    for (int l = 0; l < SPHV_LANES; l++) {
-        unsigned neighbours = pack->block->neighbours[pack->at + (size_t)l];
-        least = neighbours < least ? neighbours : least;
-    }
-    return least >= fewest;
+    static const sphv_solver_set *const all[] = {
+#ifdef SPHV_X86_PASSES
+        &sphv_solvers_avx512, &sphv_solvers_avx2,
+#endif
+        &sphv_solvers_plain, NULL};
+    return all + sphv_processor_lacks();
 }
 
-SPHV_INLINE sphv_fault fault_of(unsigned neighbours, size_t least, bool fine, bool finite)
-{
-    if (neighbours <= 1) return SPHV_FAULT_ISOLATED;
-    if (neighbours < least) return SPHV_FAULT_TOO_FEW;
-    if (fine) return SPHV_FAULT_NONE;
-    return finite ? SPHV_FAULT_ILL_CONDITIONED : SPHV_FAULT_SINGULAR;
-}
-
-SPHV_CLONES void sphv_pack_judge(sphv_pack *pack, const sphv_lanes *condition,
-                                 const sphv_lanes *defect)
-{
-    static const double most = 0x1p26; // 1/√ε
-    sphv_lane_mask fine = (*condition <= most) & (*defect < 0.5), finite = *condition < INFINITY;
-    sphv_lanes known = sphv_lanes_choose(finite, *condition, sphv_lanes_of(INFINITY));
-    const size_t *particle = pack->block->particle + pack->at;
-    double *to = pack->task->out->condition;
-    for (size_t l = 0; l < pack->have; l++) to[particle[l]] = known[l];
-    pack->all = all_sound(pack, fine);
-    pack->kept = pack->sound = ~(sphv_lane_mask){0};
-    memset(pack->fault, SPHV_FAULT_NONE, sizeof pack->fault);
-    if (pack->all) return;
-    for (size_t l = 0; l < pack->have; l++) {
-        sphv_fault fault =
-            fault_of(pack->block->neighbours[pack->at + l], pack->task->least, fine[l], finite[l]);
-        bool kept = fault == SPHV_FAULT_NONE || fault == SPHV_FAULT_ILL_CONDITIONED ||
-                    (fault == SPHV_FAULT_ISOLATED && pack->task->least == 1 && fine[l]);
-        pack->fault[l] = (unsigned char)fault;
-        pack->kept[l] = -(long long)kept;
-        pack->sound[l] = -(long long)(fault == SPHV_FAULT_NONE);
-    }
-}
-
-/// Marks estimates that overflow, clears those that are not kept, and raises the largest bounds to
-/// those of the sound lanes.
-static void settle(sphv_pack *pack, size_t quantities, sphv_lanes *value, const sphv_lanes *bound,
-                   double *rounding)
-{
-    for (size_t i = 0; i < quantities; i++)
-        for (size_t l = 0; l < pack->have; l++) {
-            bool finite = isfinite(value[i][l]);
-            if (pack->kept[l] && !finite) pack->fault[l] = SPHV_FAULT_NOT_FINITE;
-            if (!pack->kept[l] || !finite) value[i][l] = 0;
-            if (pack->sound[l] && finite && !(bound[i][l] <= rounding[i]))
-                rounding[i] = bound[i][l];
-        }
-}
-
-SPHV_CLONES void sphv_pack_store(sphv_pack *pack, size_t field, const sphv_bounded *found)
-{
-    const sphv_solve_task *task = pack->task;
-    size_t quantities = task->out->quantities, d = (size_t)pack->block->layout->dimension;
-    double **estimate = task->out->estimate + field * quantities;
-    double *rounding = task->out->rounding + field * quantities;
-    const size_t *particle = pack->block->particle + pack->at;
-    sphv_lanes value[SPHV_QUANTITIES_MAX], bound[SPHV_QUANTITIES_MAX] = {{0}};
-    sphv_lane_mask plain = ~(sphv_lane_mask){0}; // finite, and no larger bounds than before
-    for (size_t i = 0; i < quantities; i++) {
-        double scale = task->scale[i == 0 ? 0 : i <= d ? 1 : 2];
-        value[i] = found[i].value * scale;
-        bound[i] =
-            (found[i].error * scale + 4 * SPHV_U * sphv_lanes_abs(value[i])) * SPHV_BOUND_SLACK;
-        plain &= sphv_lanes_finite(value[i]) & (bound[i] <= rounding[i]);
-    }
-    if (!pack->all || sphv_lanes_any(~plain)) settle(pack, quantities, value, bound, rounding);
-    for (size_t i = 0; i < quantities; i++)
-        for (size_t l = 0; l < pack->have; l++) estimate[i][particle[l]] = value[i][l];
-}
-
-void sphv_pack_finish(const sphv_pack *pack)
-{
-    for (size_t l = 0; l < pack->have; l++)
-        pack->task->out->fault[pack->block->particle[pack->at + l]] = pack->fault[l];
-}
-
-static sphv_pack_solver *solver_of(sphv_method method)
-{
-    switch (method) {
-    case SPHV_SPH:
-        break;
-    case SPHV_SPH_DIFFERENCE:
-        return sphv_solve_difference;
-    case SPHV_SHEPARD:
-    case SPHV_RKPM_0:
-        return sphv_solve_shepard;
-    case SPHV_BONET_LOK:
-        return sphv_solve_bonet_lok;
-    case SPHV_CSPM:
-        return sphv_solve_cspm;
-    case SPHV_FPM:
-        return sphv_solve_fpm;
-    case SPHV_MSPH:
-        return sphv_solve_msph;
-    case SPHV_RKPM:
-        return sphv_solve_rkpm_1;
-    case SPHV_RKPM_2:
-        return sphv_solve_rkpm_2;
-    }
-    return sphv_solve_standard;
-}
-
-void sphv_solve_block(const sphv_sum_block *block, const sphv_request *request,
-                      const double *values, sphv_method_estimates *out)
+void sphv_solve_block_with(const sphv_solver_set *set, const sphv_sum_block *block,
+                           const sphv_request *request, const double *values,
+                           sphv_method_estimates *out)
 {
     sphv_solve_task task = {.block = block,
                             .request = request,
@@ -137,7 +40,12 @@ void sphv_solve_block(const sphv_sum_block *block, const sphv_request *request,
     task.reach[0] = 1;
     for (int i = 1; i <= SPHV_SUM_DEGREE_MAX; i++)
         task.reach[i] = task.reach[i - 1] * request->profile->support;
-    sphv_pack_solver *solve = solver_of(out->method);
-    for (size_t at = 0; at < block->count; at += SPHV_LANES) solve(&task, at);
+    set->solver[out->method](&task);
     sphv_leave_wide_registers();
+}
+
+void sphv_solve_block(const sphv_sum_block *block, const sphv_request *request,
+                      const double *values, sphv_method_estimates *out)
+{
+    sphv_solve_block_with(*sphv_solver_sets(), block, request, values, out);
 }

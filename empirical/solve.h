@@ -1,23 +1,11 @@
 /// \file solve.h
-/// What the methods share: a few particles' sums with their bounds, and what is made of them.
+/// What the methods share: a few particles' sums with their bounds. The files that include this are
+/// compiled once for each instruction set.
 #ifndef SPHVERIFY_EMPIRICAL_SOLVE_H
 #define SPHVERIFY_EMPIRICAL_SOLVE_H
 
 #include "dense.h"
-#include "sums/sums.h"
-
-enum { SPHV_SUM_DEGREE_MAX = 5 };
-
-/// One method on one block.
-typedef struct sphv_solve_task {
-    const sphv_sum_block *block;
-    const sphv_request *request;
-    const double *values; ///< A at the block's particles
-    sphv_method_estimates *out;
-    size_t least;                          ///< fewest particles of a regular moment matrix
-    double reach[SPHV_SUM_DEGREE_MAX + 1]; ///< powers of κ
-    double scale[3];                       ///< 1, 1/h, 1/h²
-} sphv_solve_task;
+#include "solvers.h"
 
 /// Particles of a block that are solved side by side.
 typedef struct sphv_pack {
@@ -121,28 +109,21 @@ SPHV_INLINE sphv_bounded sphv_own_value(const sphv_pack *pack, size_t field)
     return sphv_bounded_exact(sphv_lanes_load(from));
 }
 
-/// The pack of the block's particles `at` and after.
-SPHV_INLINE sphv_pack sphv_pack_make(const sphv_solve_task *task, size_t at)
+/// Makes the pack of the block's particles `at` and after; what is found out about them is left.
+SPHV_INLINE void sphv_pack_make(sphv_pack *pack, const sphv_solve_task *task, size_t at)
 {
     const sphv_sum_block *block = task->block;
-    size_t rest = block->count - at, have = rest < SPHV_LANES ? rest : SPHV_LANES;
-    sphv_pack pack = {.task = task, .block = block, .at = at, .have = have};
+    size_t rest = block->count - at;
     sphv_lanes rounding = sphv_lanes_load(block->rounding + at);
+    pack->task = task;
+    pack->block = block;
+    pack->at = at;
+    pack->have = rest < SPHV_LANES ? rest : SPHV_LANES;
     for (int k = 0; k < 3; k++) {
         size_t index = (size_t)block->layout->size_at + (size_t)k;
-        pack.size[k] = rounding * sphv_lanes_load(block->sums + index * block->stride + at);
+        pack->size[k] = rounding * sphv_lanes_load(block->sums + index * block->stride + at);
     }
-    return pack;
 }
-
-/// Finds the faults of a pack from the condition number and the defect of its moment matrix.
-void sphv_pack_judge(sphv_pack *pack, const sphv_lanes *condition, const sphv_lanes *defect);
-
-/// Writes the estimates of one field, found in units of h.
-void sphv_pack_store(sphv_pack *pack, size_t field, const sphv_bounded *found);
-
-/// Writes the faults, once all fields are stored.
-void sphv_pack_finish(const sphv_pack *pack);
 
 /// Condition of a 1 × 1 matrix that is a sum, from its defect: a bound of how much of it cancels.
 SPHV_INLINE sphv_lanes sphv_pack_cancellation(const sphv_pack *pack, sphv_lanes defect)
@@ -151,27 +132,29 @@ SPHV_INLINE sphv_lanes sphv_pack_cancellation(const sphv_pack *pack, sphv_lanes 
     return sphv_dense_raise(sphv_lanes_of(1), defect / sphv_lanes_load(rounding));
 }
 
-/// Calls a pack's solver, compiled for each dimension.
-#define SPHV_IN_DIMENSION(task, in_one, in_two, in_three)                                          \
-    if ((task)->block->layout->dimension == 1)                                                     \
-        (in_one);                                                                                  \
-    else if ((task)->block->layout->dimension == 2)                                                \
-        (in_two);                                                                                  \
-    else                                                                                           \
-        (in_three);
+/// Solves the packs of a block from `at` on, compiled for each dimension.
+#define SPHV_EACH_PACK(task, in_one, in_two, in_three)                                             \
+    {                                                                                              \
+        const size_t count = (task)->block->count;                                                 \
+        const int dimension = (task)->block->layout->dimension;                                    \
+        for (size_t at = 0; dimension == 1 && at < count; at += SPHV_LANES) (in_one);              \
+        for (size_t at = 0; dimension == 2 && at < count; at += SPHV_LANES) (in_two);              \
+        for (size_t at = 0; dimension == 3 && at < count; at += SPHV_LANES) (in_three);            \
+    }
 
-/// Solves the pack of the block's particles `at` and after.
-typedef void sphv_pack_solver(const sphv_solve_task *task, size_t at);
+/// The name of a solver of the instruction set that this is compiled for.
+#define SPHV_SOLVER(name) SPHV_SOLVER_OF(name, SPHV_SET)
+#define SPHV_SOLVER_OF(name, set) SPHV_SOLVER_JOIN(name, set)
+#define SPHV_SOLVER_JOIN(name, set) sphv_solve_##name##_##set
 
-/// One row of the table of methods each.
-sphv_pack_solver sphv_solve_standard;
-sphv_pack_solver sphv_solve_difference;
-sphv_pack_solver sphv_solve_shepard;
-sphv_pack_solver sphv_solve_bonet_lok;
-sphv_pack_solver sphv_solve_cspm;
-sphv_pack_solver sphv_solve_fpm;
-sphv_pack_solver sphv_solve_msph;
-sphv_pack_solver sphv_solve_rkpm_1;
-sphv_pack_solver sphv_solve_rkpm_2;
+sphv_solver SPHV_SOLVER(standard);
+sphv_solver SPHV_SOLVER(difference);
+sphv_solver SPHV_SOLVER(shepard);
+sphv_solver SPHV_SOLVER(bonet_lok);
+sphv_solver SPHV_SOLVER(cspm);
+sphv_solver SPHV_SOLVER(fpm);
+sphv_solver SPHV_SOLVER(msph);
+sphv_solver SPHV_SOLVER(rkpm_1);
+sphv_solver SPHV_SOLVER(rkpm_2);
 
 #endif

@@ -1,5 +1,5 @@
 /// Reproducing kernels (eq. 26): moving least squares about the particle, differentiated.
-#include "solve.h"
+#include "solve_pack.h"
 
 /// −Σ v ∂_k(p_0 s^α): how Σ v p_0 s^α changes with the particle's place.
 SPHV_INLINE sphv_bounded moment_slope(const sphv_pack *pack, const int d, sphv_exponents a, int k)
@@ -31,7 +31,8 @@ SPHV_INLINE sphv_bounded field_slope(const sphv_pack *pack, const int d, size_t 
 /// derivative is c·∂b − (c·∂M) a.
 SPHV_INLINE void reproducing(const sphv_solve_task *task, const int d, size_t at, const int n)
 {
-    sphv_pack pack = sphv_pack_make(task, at);
+    sphv_pack pack;
+    sphv_pack_make(&pack, task, at);
     sphv_dense matrix;
     sphv_bounded c[SPHV_UNKNOWNS_MAX], moved[SPHV_DIMENSIONS][SPHV_UNKNOWNS_MAX];
     for (int i = 0; i < n; i++) {
@@ -74,12 +75,14 @@ SPHV_INLINE void reproducing(const sphv_solve_task *task, const int d, size_t at
     sphv_pack_finish(&pack);
 }
 
-SPHV_CLONES void sphv_solve_rkpm_1(const sphv_solve_task *task, size_t at){
-    SPHV_IN_DIMENSION(task, reproducing(task, 1, at, 2), reproducing(task, 2, at, 3),
-                      reproducing(task, 3, at, 4))}
-
-SPHV_CLONES void sphv_solve_rkpm_2(const sphv_solve_task *task, size_t at)
+void SPHV_SOLVER(rkpm_1)(const sphv_solve_task *task)
 {
-    SPHV_IN_DIMENSION(task, reproducing(task, 1, at, 3), reproducing(task, 2, at, 6),
-                      reproducing(task, 3, at, 10))
+    SPHV_EACH_PACK(task, reproducing(task, 1, at, 2), reproducing(task, 2, at, 3),
+                   reproducing(task, 3, at, 4))
+}
+
+void SPHV_SOLVER(rkpm_2)(const sphv_solve_task *task)
+{
+    SPHV_EACH_PACK(task, reproducing(task, 1, at, 3), reproducing(task, 2, at, 6),
+                   reproducing(task, 3, at, 10))
 }

@@ -1,5 +1,5 @@
 /// Standard SPH and Shepard's normalisation: no matrix, or a single number.
-#include "solve.h"
+#include "solve_pack.h"
 
 static const sphv_exponents one = {0, 0, 0};
 
@@ -8,7 +8,8 @@ static const sphv_exponents one = {0, 0, 0};
 SPHV_INLINE void standard(const sphv_solve_task *task, const int d, size_t at,
                           const bool difference)
 {
-    sphv_pack pack = sphv_pack_make(task, at);
+    sphv_pack pack;
+    sphv_pack_make(&pack, task, at);
     sphv_lanes condition = sphv_lanes_of(1), defect = sphv_lanes_of(0);
     const bool plain = task->block->layout->level == SPHV_SUMS_PLAIN;
     sphv_pack_judge(&pack, &condition, &defect);
@@ -35,7 +36,8 @@ SPHV_INLINE void standard(const sphv_solve_task *task, const int d, size_t at,
 /// A = ΣA_b W V_b/ΣW V_b and its derivative, with the field relative to the particle's own value.
 SPHV_INLINE void shepard(const sphv_solve_task *task, const int d, size_t at)
 {
-    sphv_pack pack = sphv_pack_make(task, at);
+    sphv_pack pack;
+    sphv_pack_make(&pack, task, at);
     sphv_bounded sum = sphv_moment(&pack, d, 0, one), over = sphv_bounded_reciprocal(sum);
     sphv_lanes defect = sum.error * sphv_lanes_abs(over.value);
     sphv_lanes condition = sphv_pack_cancellation(&pack, defect);
@@ -56,15 +58,19 @@ SPHV_INLINE void shepard(const sphv_solve_task *task, const int d, size_t at)
     sphv_pack_finish(&pack);
 }
 
-SPHV_CLONES void sphv_solve_standard(const sphv_solve_task *task, size_t at){
-    SPHV_IN_DIMENSION(task, standard(task, 1, at, false), standard(task, 2, at, false),
-                      standard(task, 3, at, false))}
-
-SPHV_CLONES void sphv_solve_difference(const sphv_solve_task *task, size_t at){
-    SPHV_IN_DIMENSION(task, standard(task, 1, at, true), standard(task, 2, at, true),
-                      standard(task, 3, at, true))}
-
-SPHV_CLONES void sphv_solve_shepard(const sphv_solve_task *task, size_t at)
+void SPHV_SOLVER(standard)(const sphv_solve_task *task)
 {
-    SPHV_IN_DIMENSION(task, shepard(task, 1, at), shepard(task, 2, at), shepard(task, 3, at))
+    SPHV_EACH_PACK(task, standard(task, 1, at, false), standard(task, 2, at, false),
+                   standard(task, 3, at, false))
+}
+
+void SPHV_SOLVER(difference)(const sphv_solve_task *task)
+{
+    SPHV_EACH_PACK(task, standard(task, 1, at, true), standard(task, 2, at, true),
+                   standard(task, 3, at, true))
+}
+
+void SPHV_SOLVER(shepard)(const sphv_solve_task *task)
+{
+    SPHV_EACH_PACK(task, shepard(task, 1, at), shepard(task, 2, at), shepard(task, 3, at))
 }

@@ -1,5 +1,5 @@
 /// Methods that insert Taylor's series of the field into sums with the kernel's derivatives.
-#include "solve.h"
+#include "solve_pack.h"
 
 static const sphv_exponents one = {0, 0, 0};
 
@@ -10,7 +10,8 @@ static const sphv_exponents one = {0, 0, 0};
 /// have the same gradient.
 SPHV_INLINE void corrected(const sphv_solve_task *task, const int d, size_t at, const bool mixed)
 {
-    sphv_pack pack = sphv_pack_make(task, at);
+    sphv_pack pack;
+    sphv_pack_make(&pack, task, at);
     sphv_bounded sum = sphv_moment(&pack, d, 0, one), over = sphv_bounded_reciprocal(sum);
     sphv_bounded slope[SPHV_DIMENSIONS];
     sphv_dense matrix;
@@ -77,7 +78,8 @@ SPHV_INLINE sphv_bounded tested_field(const sphv_pack *pack, const int d, size_t
 /// the derivatives times h^|β|, the value's relative to the particle's own.
 SPHV_INLINE void taylor(const sphv_solve_task *task, const int d, size_t at, const int n)
 {
-    sphv_pack pack = sphv_pack_make(task, at);
+    sphv_pack pack;
+    sphv_pack_make(&pack, task, at);
     sphv_dense matrix;
     for (int i = 0; i < n; i++) {
         for (int j = 0; j < n; j++) {
@@ -99,18 +101,24 @@ SPHV_INLINE void taylor(const sphv_solve_task *task, const int d, size_t at, con
     sphv_pack_finish(&pack);
 }
 
-SPHV_CLONES void sphv_solve_bonet_lok(const sphv_solve_task *task, size_t at){
-    SPHV_IN_DIMENSION(task, corrected(task, 1, at, true), corrected(task, 2, at, true),
-                      corrected(task, 3, at, true))}
-
-SPHV_CLONES void sphv_solve_cspm(const sphv_solve_task *task, size_t at){
-    SPHV_IN_DIMENSION(task, corrected(task, 1, at, false), corrected(task, 2, at, false),
-                      corrected(task, 3, at, false))}
-
-SPHV_CLONES void sphv_solve_fpm(const sphv_solve_task *task, size_t at){
-    SPHV_IN_DIMENSION(task, taylor(task, 1, at, 2), taylor(task, 2, at, 3), taylor(task, 3, at, 4))}
-
-SPHV_CLONES void sphv_solve_msph(const sphv_solve_task *task, size_t at)
+void SPHV_SOLVER(bonet_lok)(const sphv_solve_task *task)
 {
-    SPHV_IN_DIMENSION(task, taylor(task, 1, at, 3), taylor(task, 2, at, 6), taylor(task, 3, at, 10))
+    SPHV_EACH_PACK(task, corrected(task, 1, at, true), corrected(task, 2, at, true),
+                   corrected(task, 3, at, true))
+}
+
+void SPHV_SOLVER(cspm)(const sphv_solve_task *task)
+{
+    SPHV_EACH_PACK(task, corrected(task, 1, at, false), corrected(task, 2, at, false),
+                   corrected(task, 3, at, false))
+}
+
+void SPHV_SOLVER(fpm)(const sphv_solve_task *task)
+{
+    SPHV_EACH_PACK(task, taylor(task, 1, at, 2), taylor(task, 2, at, 3), taylor(task, 3, at, 4))
+}
+
+void SPHV_SOLVER(msph)(const sphv_solve_task *task)
+{
+    SPHV_EACH_PACK(task, taylor(task, 1, at, 3), taylor(task, 2, at, 6), taylor(task, 3, at, 10))
 }

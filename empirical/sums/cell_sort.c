@@ -149,9 +149,8 @@ SPHV_CLONES static void find_places(const sphv_cell_grid *grid, const double *co
     }
 }
 
-/// Takes the coordinates of sources, and finds their cells.
-static void take_sources(const struct sort *sort, const uint32_t *source, size_t count, double **x,
-                         int *place)
+/// Takes the coordinates of sources.
+static void take_sources(const struct sort *sort, const uint32_t *source, size_t count, double **x)
 {
     const sphv_particles *particles = sort->particles;
     const double unit = sort->grid->unit;
@@ -160,7 +159,19 @@ static void take_sources(const struct sort *sort, const uint32_t *source, size_t
             for (size_t k = 0; k < count; k++) x[i][k] = coordinate(particles, i, source[k]) * unit;
         else
             for (size_t k = 0; k < count; k++) x[i][k] = particles->x[i][source[k]] * unit;
-    find_places(sort->grid, (const double *const *)x, count, place);
+}
+
+/// Takes a run of particles without copies.
+SPHV_CLONES static void take_run(const struct sort *sort, size_t first, struct tile *tile)
+{
+    const double unit = sort->grid->unit;
+#pragma omp simd
+    for (size_t k = 0; k < tile->count; k++) tile->source[k] = (uint32_t)(first + k);
+    for (int i = 0; i < sort->particles->dimension; i++) {
+        const double *x = sort->particles->x[i] + first;
+#pragma omp simd
+        for (size_t k = 0; k < tile->count; k++) tile->x[i][k] = x[k] * unit;
+    }
 }
 
 /// Lists the sources of a chunk, and counts those in each bucket.
@@ -174,12 +185,17 @@ static void count_chunk(const struct sort *sort, size_t chunk)
     double *x[SPHV_DIMENSIONS] = {tile.x[0], tile.x[1], tile.x[2]};
     memset(counts, 0, sort->buckets * sizeof *counts);
     while (b < end) {
-        for (tile.count = 0; b < end && tile.count + COPIES <= TILE; b++)
-            if (particles->periodic)
+        tile.count = 0;
+        if (particles->periodic) {
+            for (; b < end && tile.count + COPIES <= TILE; b++)
                 tile.count += list_sources(particles, b, sort->near, tile.source + tile.count);
-            else
-                tile.source[tile.count++] = (uint32_t)b;
-        take_sources(sort, tile.source, tile.count, x, tile.place);
+            take_sources(sort, tile.source, tile.count, x);
+        } else {
+            tile.count = end - b < TILE ? end - b : TILE;
+            take_run(sort, b, &tile);
+            b += tile.count;
+        }
+        find_places(sort->grid, (const double *const *)x, tile.count, tile.place);
         for (size_t k = 0; k < tile.count; k++) {
             int bucket = tile.place[k] >> sort->shift;
             sort->source[at + k] = tile.source[k];
@@ -248,7 +264,8 @@ static void fill_bucket(const struct sort *sort, size_t bucket, struct shelf *sh
     const size_t cells = (last < all ? last : all) - first;
     uint32_t *start = grid->start + first, at = (uint32_t)base;
     memcpy(shelf->source, grid->particle + base, count * sizeof *shelf->source);
-    take_sources(sort, shelf->source, count, shelf->x, shelf->place);
+    take_sources(sort, shelf->source, count, shelf->x);
+    find_places(grid, (const double *const *)shelf->x, count, shelf->place);
     memset(start, 0, cells * sizeof *start);
     for (size_t k = 0; k < count; k++) start[shelf->place[k] - (int)first]++;
     for (size_t c = 0; c < cells; c++) {

@@ -89,7 +89,7 @@ static bool bench_make(struct bench *bench, const struct direct *direct)
     bench->pass = (sphv_pass){.radial = &direct->sorted.radial,
                               .layout = &direct->sorted.evaluation->layout,
                               .sums = bench->sums};
-    bench->gathers = true;
+    bench->gathers = bench->worker.valued = true;
     return enough && bench->ranges && bench->sums;
 }
 
@@ -103,11 +103,10 @@ static void bench_free(struct bench *bench)
 }
 
 /// Puts what the targets have into the lanes, and finds what it lies between.
-SPHV_CLONES static void load_lanes(const double *from, const uint32_t *target, double *to,
-                                   double *low, double *high)
+static void load_lanes(const double *from, const uint32_t *target, double *to, double *low,
+                       double *high)
 {
     double least = INFINITY, most = -INFINITY;
-#pragma omp simd reduction(min : least) reduction(max : most)
     for (int l = 0; l < SPHV_LANES_MAX; l++) {
         double value = from[target[l]];
         to[l] = value;
@@ -145,18 +144,25 @@ static void store_sums(const struct direct *direct, struct bench *bench, size_t 
                bench->worker.block.sums + (size_t)to * stride + at, stride);
 }
 
-/// Takes up to SPHV_PASS_FIELDS fields, from the f-th on, and the sources of the group's ranges.
-static void take_fields(const struct direct *direct, sphv_pass *pass, const uint32_t *target, int f,
-                        int fields)
+/// Takes up to SPHV_PASS_FIELDS fields, from the f-th on, and all sources.
+static void take_fields(const struct direct *direct, struct bench *bench, const uint32_t *target,
+                        size_t at, int f, int fields)
 {
     const sphv_sorted *sorted = &direct->sorted;
     bool plain = sorted->evaluation->layout.level == SPHV_SUMS_PLAIN;
+    sphv_pass *pass = &bench->pass;
     double low, high;
     pass->sources = (sphv_sources){.v = sorted->v};
     for (int i = 0; i < sorted->grid.dimension; i++) pass->sources.x[i] = sorted->grid.x[i];
-    for (int j = 0; j < SPHV_PASS_FIELDS; j++) { // the first again for want of a second
-        pass->sources.field[j] = sorted->field[j < fields ? f + j : f];
-        if (!plain) load_lanes(pass->sources.field[j], target, pass->a[j], &low, &high);
+    for (int j = 0; j < fields; j++) {
+        double *own = bench->worker.values + (size_t)(f + j) * bench->worker.block.stride + at;
+        pass->sources.field[j] = sorted->field[f + j];
+        load_lanes(sorted->field[f + j], target, own, &low, &high);
+        if (!plain) memcpy(pass->a[j], own, sizeof pass->a[j]);
+    }
+    for (int j = fields; j < SPHV_PASS_FIELDS; j++) { // the first again for want of a second
+        pass->sources.field[j] = sorted->field[f];
+        memcpy(pass->a[j], pass->a[0], sizeof pass->a[j]);
     }
 }
 
@@ -197,7 +203,7 @@ static void sum_group(const struct direct *direct, struct bench *bench, const st
     for (int f = 0; f < all; f += SPHV_PASS_FIELDS) {
         int fields = all - f < SPHV_PASS_FIELDS ? all - f : SPHV_PASS_FIELDS;
         sphv_range whole = {0};
-        take_fields(direct, pass, target, f, fields);
+        take_fields(direct, bench, target, at, f, fields);
         if (gathers) {
             whole.to =
                 direct->passes->gather(&pass->sources, d, fields, low, high, sorted->radial.limit,

@@ -42,6 +42,7 @@ typedef struct sphv_worker {
     unsigned *neighbours; ///< behind block.neighbours
     double *rounding;     ///< behind block.rounding
     double *values;       ///< A at the block's particles
+    bool valued;          ///< whether the route sets `values`; else they are looked up
     sphv_method_estimates *methods; ///< the results, with `rounding` of this thread
     double pairs, tested;
 } sphv_worker;

@@ -151,6 +151,8 @@ SPHV_INLINE void run(sphv_pass *pass, size_t range_count, const sphv_range *rang
     UNROLL for (int i = 0; i < dimension; i++) x[i] = v_load(pass->x[i]);
     UNROLL for (int f = 0; f < fields; f++) a[f] = v_load(pass->a[f]);
     for (int k = 0; k < of.count; k++) v_store(pass->sums + k * SPHV_LANES_MAX, v_set(0));
+    // Zeros that the compiler does not know as such: it would write them to memory first.
+    const vec nought = v_sub(x[0], x[0]);
     for (size_t r = 0; r < range_count; r++) {
         const size_t sure = ranges[r].sure, sure_count = ranges[r].sure_to - sure;
         neighbours = v_add(neighbours, v_set((double)sure_count));
@@ -158,7 +160,7 @@ SPHV_INLINE void run(sphv_pass *pass, size_t range_count, const sphv_range *rang
             size_t b = from, to = from + SPHV_PASS_PART;
             if (ranges[r].to < to) to = ranges[r].to;
             vec sum[SPHV_PASS_SUMS];
-            UNROLL for (int k = 0; k < of.count; k++) sum[k] = v_set(0);
+            UNROLL for (int k = 0; k < of.count; k++) sum[k] = nought;
             for (; b < to && b < from + AHEAD; b++)
                 prepare(of, pass, x, b, form, b - sure < sure_count, &neighbours, &ahead[b % RING]);
             for (b = from; b < to; b++) {
@@ -209,47 +211,67 @@ static sphv_pass_function *choose(int dimension, sphv_sum_level level, int field
 }
 
 /// Distances from the box are sums of rounded products, like those of pairs, and rounding is
-/// monotone: no pair within the support is lost.
-static size_t gather(const sphv_sources *from, int dimension, int fields,
-                     const double low[SPHV_DIMENSIONS], const double high[SPHV_DIMENSIONS],
-                     double limit, size_t count, const sphv_range *ranges, double *const *to)
+/// monotone: no pair within the support is lost. Whole vectors are written: `to` has room for one
+/// more.
+SPHV_INLINE size_t gather_near(const sphv_sources *from, const int dimension, const int fields,
+                               const double *low, const double *high, double limit, size_t count,
+                               const sphv_range *ranges, double *const *to)
 {
     const double *arrays[SPHV_DIMENSIONS + 1 + SPHV_PASS_FIELDS];
-    int n = 0;
+    const int n = dimension + 1 + fields;
     size_t kept = 0;
-    for (int i = 0; i < dimension; i++) arrays[n++] = from->x[i];
-    arrays[n++] = from->v;
-    for (int f = 0; f < fields; f++) arrays[n++] = from->field[f];
+    UNROLL for (int i = 0; i < dimension; i++) arrays[i] = from->x[i];
+    arrays[dimension] = from->v;
+    UNROLL for (int f = 0; f < fields; f++) arrays[dimension + 1 + f] = from->field[f];
     for (size_t r = 0; r < count; r++) {
 #if defined(__AVX512F__) && defined(__AVX512DQ__) && !defined(SPHV_LANES_PLAIN)
         for (size_t b = ranges[r].from; b < ranges[r].to; b += LANES) {
             size_t left = ranges[r].to - b;
             mask valid = left < LANES ? (mask)((1u << left) - 1) : (mask)0xff;
             vec square = v_set(0);
-            for (int i = 0; i < dimension; i++) {
-                vec x = _mm512_maskz_loadu_pd(valid, from->x[i] + b);
+            UNROLL for (int i = 0; i < dimension; i++)
+            {
+                vec x = _mm512_maskz_loadu_pd(valid, arrays[i] + b);
                 vec d = v_max(v_max(v_sub(v_set(low[i]), x), v_sub(x, v_set(high[i]))), v_set(0));
-                square = v_add(square, v_mul(d, d));
+                square = i ? v_add(square, v_mul(d, d)) : v_mul(d, d);
             }
             mask near = v_less(square, v_set(limit)) & valid;
-            for (int k = 0; k < n; k++)
-                _mm512_mask_compressstoreu_pd(to[k] + kept, near,
-                                              _mm512_maskz_loadu_pd(valid, arrays[k] + b));
+            // compressed in a register: compressing into memory takes several times as long
+            UNROLL for (int k = 0; k < n; k++) v_store(
+                to[k] + kept,
+                _mm512_maskz_compress_pd(near, _mm512_maskz_loadu_pd(valid, arrays[k] + b)));
             kept += (size_t)__builtin_popcount(near);
         }
 #else
         for (size_t b = ranges[r].from; b < ranges[r].to; b++) {
             double square = 0;
-            for (int i = 0; i < dimension; i++) {
-                double x = from->x[i][b], d = fmax(fmax(low[i] - x, x - high[i]), 0);
+            UNROLL for (int i = 0; i < dimension; i++)
+            {
+                double x = arrays[i][b], below = low[i] - x, above = x - high[i];
+                double apart = below > above ? below : above, d = apart > 0 ? apart : 0;
                 square += d * d;
             }
-            for (int k = 0; k < n; k++) to[k][kept] = arrays[k][b];
+            UNROLL for (int k = 0; k < n; k++) to[k][kept] = arrays[k][b];
             kept += square < limit;
         }
 #endif
     }
     return kept;
+}
+
+static size_t gather(const sphv_sources *from, int dimension, int fields,
+                     const double low[SPHV_DIMENSIONS], const double high[SPHV_DIMENSIONS],
+                     double limit, size_t count, const sphv_range *ranges, double *const *to)
+{
+#define GATHER(d, f)                                                                               \
+    if (dimension == (d) && fields == (f))                                                         \
+    return gather_near(from, d, f, low, high, limit, count, ranges, to)
+    GATHER(1, 1);
+    GATHER(1, 2);
+    GATHER(2, 1);
+    GATHER(2, 2);
+    GATHER(3, 1);
+    return gather_near(from, 3, 2, low, high, limit, count, ranges, to);
 }
 
 const sphv_pass_set PASS_NAME(sphv_passes) = {SPHV_PASS_SET_NAME, LANES, choose, gather,

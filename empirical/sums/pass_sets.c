@@ -1,6 +1,7 @@
-#include "pass.h"
-
 #include <stddef.h>
+
+#include "../processor.h"
+#include "pass.h"
 
 extern const sphv_pass_set sphv_passes_plain;
 #ifdef SPHV_X86_PASSES
@@ -14,14 +15,5 @@ const sphv_pass_set *const *sphv_pass_sets(void)
         &sphv_passes_avx512, &sphv_passes_avx2,
 #endif
         &sphv_passes_plain, NULL};
-#ifdef SPHV_X86_PASSES
-    __builtin_cpu_init();
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-        __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw"))
-        return all;
-    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return all + 1;
-    return all + 2;
-#else
-    return all;
-#endif
+    return all + sphv_processor_lacks();
 }

@@ -69,7 +69,8 @@ SPHV_INLINE void radial_functions(const sphv_radial *radial, const shape known,
     const int knots = known.knots > 0 ? known.knots : radial->knots;
     UNROLL for (int i = 0; i < knots; i++)
     {
-        vec t = v_max(v_fma(r, minus_inverse_h, v_set(radial->knot[i])), zero);
+        vec t = v_fma(r, minus_inverse_h, v_set(radial->knot[i]));
+        if (known.knots == 0 || i > 0) t = v_max(t, zero); // the first is the edge, as above
         if (known.knots > 0) {
             vec common = v_power(t, known.low - 1);
             vec value = v_horner(radial->term[0][i], known.terms, t);

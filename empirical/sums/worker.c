@@ -72,7 +72,7 @@ void sphv_worker_finish_block(sphv_worker *worker, size_t first, size_t count)
         pairs += worker->neighbours[i];
     }
     worker->pairs += (double)pairs;
-    for (size_t f = 0; f < request->field_count; f++)
+    for (size_t f = 0; f < request->field_count && !worker->valued; f++)
         for (size_t i = 0; i < count; i++)
             worker->values[f * worker->block.stride + i] = request->fields[f][worker->particle[i]];
     if (worker->evaluation->watch)

@@ -26,6 +26,9 @@ sphv_status sphv_truncated_moments(const sphv_profile *profile, const double *be
 typedef enum sphv_moment_source {
     SPHV_MOMENTS_LATTICE,   ///< the kernel's sums over a half, quarter or whole lattice: exact
     SPHV_MOMENTS_CONTINUUM, ///< its integrals over the support, cut where the outermost cells end
+    /// As the first, and on perturbed lattices from every neighbour, however many: slow. Else
+    /// supports of more than four spacings are summed by rules.
+    SPHV_MOMENTS_EVERY,
 } sphv_moment_source;
 
 /// A prediction of the root mean square error over the particles of a box.
@@ -33,13 +36,16 @@ typedef struct sphv_box_prediction {
     size_t quantities;
     sphv_result rmse[SPHV_QUANTITIES_MAX];     ///< over all particles
     sphv_result interior[SPHV_QUANTITIES_MAX]; ///< over those further than κh from every side
+    /// Standard deviation of the two over realisations of a perturbed lattice, or more than that:
+    /// 0 on the lattice, infinite where theory does not tell.
+    double scatter[SPHV_QUANTITIES_MAX], interior_scatter[SPHV_QUANTITIES_MAX];
     sphv_rigour rigour;
     double excluded; ///< particles without a usable moment matrix, left out of the norms
     bool exists[SPHV_QUANTITIES_MAX]; ///< false where derivatives of the field are not integrable
 } sphv_box_prediction;
 
 /// Predicts the RMSE of a method over a lattice, or a perturbed lattice of small amplitude, in the
-/// unit box.
+/// unit box. On the latter it is the root of the expected mean square over realisations.
 /// \return SPHV_NO_CLOSED_FORM for layouts, volumes, methods or dimensions without a theory
 sphv_status sphv_predict_box(const sphv_box *box, const sphv_profile *profile, double h,
                              sphv_method method, const sphv_field *field, sphv_box_prediction *out,

@@ -25,17 +25,19 @@ sphv_verdict sphv_verdict_worse(sphv_verdict a, sphv_verdict b);
 sphv_verdict sphv_compare(sphv_result analytic, sphv_result empirical, double scale);
 
 /// What a root mean square error is known to, beside a prediction of some rigour: its rounding and,
-/// where the prediction is an expectation, half of the 99.9 % interval of one realisation. Errors
-/// of particles whose supports do not overlap are independent, count/neighbours of them. \param
-/// bound rounding of rmse
+/// where the prediction is an expectation, half of the 99.9 % interval of one realisation. That
+/// follows from the norm's own standard deviation where theory knows it. Where not, errors of
+/// particles whose supports do not overlap are independent, count/neighbours of them.
+/// \param bound    rounding of rmse
+/// \param scatter  standard deviation over realisations, or infinite
 double sphv_norm_interval(double rmse, double bound, sphv_rigour rigour, size_t count,
-                          size_t neighbours);
+                          size_t neighbours, double scatter);
 
 /// Compares a prediction with a root mean square error over particles, known to
 /// `sphv_norm_interval`. Beside an expectation an error of 20 % must not go unnoticed.
 /// \param bound rounding of rmse; \param scale as above, of other predictions than expectations
 sphv_verdict sphv_compare_norm(sphv_result analytic, sphv_rigour rigour, double rmse, double bound,
-                               size_t count, size_t neighbours, double scale);
+                               size_t count, size_t neighbours, double scatter, double scale);
 
 /// One point: both halves side by side.
 typedef struct sphv_point {

@@ -157,7 +157,48 @@ void sphv_defect_round(mpq_t value, int digits)
     (void)!sphv_rational_parse(text, value, &unused);
 }
 
-void sphv_defect_round_to_float(mpq_t value)
+void sphv_defect_round_all(sphv_exact_pieces *pieces, int digits)
 {
-    mpq_set_d(value, (double)(float)sphv_rational_round(value));
+    for (int i = 0; i < pieces->count; i++)
+        for (int k = 0; k <= pieces->polynomial[i].degree; k++) {
+            mpq_t *c = &pieces->polynomial[i].coefficient[k];
+            if (mpq_sgn(*c) == 0) continue;
+            if (digits)
+                sphv_defect_round(*c, digits);
+            else
+                mpq_set_d(*c, (double)(float)sphv_rational_round(*c));
+        }
+}
+
+mpq_t *sphv_defect_coefficient(sphv_exact_pieces *pieces, int index)
+{
+    for (int i = 0; i < pieces->count; i++)
+        for (int k = 0; k <= pieces->polynomial[i].degree; k++) {
+            mpq_t *c = &pieces->polynomial[i].coefficient[k];
+            if (mpq_sgn(*c) != 0 && index-- == 0) return c;
+        }
+    return NULL;
+}
+
+static void make_fraction(mpq_t out, long numerator, unsigned long denominator)
+{
+    mpq_init(out);
+    mpq_set_si(out, numerator, denominator);
+    mpq_canonicalize(out);
+}
+
+void sphv_defect_scale(mpq_t value, long numerator, unsigned long denominator)
+{
+    mpq_t factor;
+    make_fraction(factor, numerator, denominator);
+    mpq_mul(value, value, factor);
+    mpq_clear(factor);
+}
+
+void sphv_defect_scale_all(sphv_exact_pieces *pieces, long numerator, unsigned long denominator)
+{
+    mpq_t factor;
+    make_fraction(factor, numerator, denominator);
+    sphv_exact_pieces_scale(pieces, factor);
+    mpq_clear(factor);
 }

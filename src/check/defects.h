@@ -38,9 +38,16 @@ bool sphv_defect_give_gradient(sphv_kernel *kernel);
 /// Do two kernels differ by more than rounding (1e-14 of the largest value, or a claim)?
 bool sphv_defect_changes(const sphv_kernel *sound, const sphv_kernel *faulty);
 
+/// Finds coefficient number `index` among those of all pieces that are not zero; NULL beyond them.
+mpq_t *sphv_defect_coefficient(sphv_exact_pieces *pieces, int index);
+
+/// Multiplies a rational, or whole pieces, by a fraction.
+void sphv_defect_scale(mpq_t value, long numerator, unsigned long denominator);
+void sphv_defect_scale_all(sphv_exact_pieces *pieces, long numerator, unsigned long denominator);
+
 /// Replaces a rational by its value printed with so many significant digits.
 void sphv_defect_round(mpq_t value, int digits);
-/// Replaces a rational by the nearest single precision number.
-void sphv_defect_round_to_float(mpq_t value);
+/// Rounds every coefficient to so many digits; 0: to single precision.
+void sphv_defect_round_all(sphv_exact_pieces *pieces, int digits);
 
 #endif

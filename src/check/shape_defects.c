@@ -4,25 +4,22 @@
 
 #include "defects.h"
 
-/// Finds coefficient number `index` among those of all pieces that are not zero.
 static mpq_t *nonzero(sphv_kernel *kernel, int index)
 {
-    for (int i = 0; i < kernel->pieces.count; i++)
-        for (int k = 0; k <= kernel->pieces.polynomial[i].degree; k++) {
-            mpq_t *c = &kernel->pieces.polynomial[i].coefficient[k];
-            if (mpq_sgn(*c) != 0 && index-- == 0) return c;
-        }
-    return NULL;
+    return sphv_defect_coefficient(&kernel->pieces, index);
+}
+
+/// A polynomial kernel, and the only variant of a defect of all of it.
+static bool once(const sphv_kernel *kernel, int variant)
+{
+    return variant == 0 && kernel->pieces.count > 0;
 }
 
 static sphv_application scale_coefficient(sphv_kernel *kernel, int variant, long over)
 {
-    mpq_t *c = nonzero(kernel, variant), factor;
+    mpq_t *c = nonzero(kernel, variant);
     if (!c) return SPHV_NO_MORE;
-    mpq_init(factor);
-    mpq_set_si(factor, over + 1, (unsigned long)over);
-    mpq_mul(*c, *c, factor);
-    mpq_clear(factor);
+    sphv_defect_scale(*c, over + 1, (unsigned long)over);
     return SPHV_APPLIED;
 }
 
@@ -97,11 +94,7 @@ static sphv_application pieces_swapped(sphv_kernel *kernel, int variant)
 static sphv_application knot_moved(sphv_kernel *kernel, int variant)
 {
     if (variant + 1 >= kernel->pieces.count) return SPHV_NO_MORE;
-    mpq_t factor;
-    mpq_init(factor);
-    mpq_set_ui(factor, 51, 50);
-    mpq_mul(kernel->pieces.outer[variant], kernel->pieces.outer[variant], factor);
-    mpq_clear(factor);
+    sphv_defect_scale(kernel->pieces.outer[variant], 51, 50);
     return SPHV_APPLIED;
 }
 
@@ -283,61 +276,52 @@ static sphv_application overstated(sphv_kernel *kernel, int variant)
 
 static sphv_application to_float(sphv_kernel *kernel, int variant)
 {
-    if (variant || !kernel->pieces.count) return SPHV_NO_MORE;
-    mpq_t *c;
-    for (int i = 0; (c = nonzero(kernel, i)); i++) sphv_defect_round_to_float(*c);
-    return SPHV_APPLIED;
-}
-
-static sphv_application to_digits(sphv_kernel *kernel, int variant, int digits)
-{
-    if (variant || !kernel->pieces.count) return SPHV_NO_MORE;
-    mpq_t *c;
-    for (int i = 0; (c = nonzero(kernel, i)); i++) sphv_defect_round(*c, digits);
+    if (!once(kernel, variant)) return SPHV_NO_MORE;
+    sphv_defect_round_all(&kernel->pieces, 0);
     return SPHV_APPLIED;
 }
 
 static sphv_application to_three_digits(sphv_kernel *kernel, int variant)
 {
-    return to_digits(kernel, variant, 3);
+    if (!once(kernel, variant)) return SPHV_NO_MORE;
+    sphv_defect_round_all(&kernel->pieces, 3);
+    return SPHV_APPLIED;
 }
 
 static sphv_application to_six_digits(sphv_kernel *kernel, int variant)
 {
-    return to_digits(kernel, variant, 6);
+    if (!once(kernel, variant)) return SPHV_NO_MORE;
+    sphv_defect_round_all(&kernel->pieces, 6);
+    return SPHV_APPLIED;
 }
 
-/// Multiplies the coefficient of q^k by 2^k: h taken for 2h inside w.
-static sphv_application argument_doubled(sphv_kernel *kernel, int variant)
+/// Multiplies the coefficient of q^k by 2^k: h taken for 2h inside w; or divides it.
+static sphv_application scale_argument(sphv_kernel *kernel, int variant,
+                                       void (*by)(mpq_t, const mpq_t, mp_bitcnt_t))
 {
-    if (variant || !kernel->pieces.count) return SPHV_NO_MORE;
+    if (!once(kernel, variant)) return SPHV_NO_MORE;
     for (int i = 0; i < kernel->pieces.count; i++) {
         sphv_polynomial *p = &kernel->pieces.polynomial[i];
         for (int k = 0; k <= p->degree; k++)
-            mpq_mul_2exp(p->coefficient[k], p->coefficient[k], (unsigned)k);
+            by(p->coefficient[k], p->coefficient[k], (mp_bitcnt_t)k);
     }
     return SPHV_APPLIED;
+}
+
+static sphv_application argument_doubled(sphv_kernel *kernel, int variant)
+{
+    return scale_argument(kernel, variant, mpq_mul_2exp);
 }
 
 static sphv_application argument_halved(sphv_kernel *kernel, int variant)
 {
-    if (variant || !kernel->pieces.count) return SPHV_NO_MORE;
-    for (int i = 0; i < kernel->pieces.count; i++) {
-        sphv_polynomial *p = &kernel->pieces.polynomial[i];
-        for (int k = 0; k <= p->degree; k++)
-            mpq_div_2exp(p->coefficient[k], p->coefficient[k], (unsigned)k);
-    }
-    return SPHV_APPLIED;
+    return scale_argument(kernel, variant, mpq_div_2exp);
 }
 
 static sphv_application shape_scaled(sphv_kernel *kernel, int variant)
 {
-    if (variant || !kernel->pieces.count) return SPHV_NO_MORE;
-    mpq_t factor;
-    mpq_init(factor);
-    mpq_set_ui(factor, 4, 3);
-    sphv_exact_pieces_scale(&kernel->pieces, factor);
-    mpq_clear(factor);
+    if (!once(kernel, variant)) return SPHV_NO_MORE;
+    sphv_defect_scale_all(&kernel->pieces, 4, 3);
     return SPHV_APPLIED;
 }
 

@@ -131,11 +131,13 @@ sphv_status sphv_evaluate_box(const sphv_box_question *question, sphv_progress p
         out->verdicts[q] = SPHV_INCONCLUSIVE;
         out->interval[q] = norms->bound;
         if (!out->predicted || !out->analytic.exists[q] || norms->counted == 0) continue;
-        out->interval[q] = sphv_norm_interval(norms->rmse, norms->bound, out->analytic.rigour,
-                                              norms->counted, out->neighbours_most);
+        out->interval[q] =
+            sphv_norm_interval(norms->rmse, norms->bound, out->analytic.rigour, norms->counted,
+                               out->neighbours_most, out->analytic.scatter[q]);
         out->verdicts[q] = sphv_compare_norm(
             out->analytic.rmse[q], out->analytic.rigour, norms->rmse, norms->bound, norms->counted,
-            out->neighbours_most, scale[sphv_monomials(question->box.dimension)[q].degree]);
+            out->neighbours_most, out->analytic.scatter[q],
+            scale[sphv_monomials(question->box.dimension)[q].degree]);
         out->verdict = sphv_verdict_worse(out->verdict, out->verdicts[q]);
     }
     return SPHV_OK;

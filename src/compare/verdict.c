@@ -24,16 +24,17 @@ sphv_verdict sphv_compare(sphv_result analytic, sphv_result empirical, double sc
 }
 
 double sphv_norm_interval(double rmse, double bound, sphv_rigour rigour, size_t count,
-                          size_t neighbours)
+                          size_t neighbours, double scatter)
 {
     if (rigour != SPHV_RIGOUR_STATISTICAL) return bound;
-    return bound + 3.29 * rmse * sqrt((double)neighbours / (2 * (double)count));
+    return bound + 3.29 * fmin(scatter, rmse * sqrt((double)neighbours / (2 * (double)count)));
 }
 
 sphv_verdict sphv_compare_norm(sphv_result analytic, sphv_rigour rigour, double rmse, double bound,
-                               size_t count, size_t neighbours, double scale)
+                               size_t count, size_t neighbours, double scatter, double scale)
 {
-    sphv_result empirical = {rmse, sphv_norm_interval(rmse, bound, rigour, count, neighbours)};
+    sphv_result empirical = {rmse,
+                             sphv_norm_interval(rmse, bound, rigour, count, neighbours, scatter)};
     // A realisation knows a root mean square to 20 % at best; a larger error of theory must not go
     // unnoticed.
     if (rigour == SPHV_RIGOUR_STATISTICAL) scale = 20 * rmse;

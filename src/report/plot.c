@@ -46,18 +46,21 @@ void sphv_plot_log_axis(FILE *script, char axis, double from, double to)
     const char *comma = "";
     int step = decades > 8 ? (int)ceil(decades / 6) : 1;
     for (int decade = first; decade <= last; decade++)
-        for (int m = 1; m <= 9; m++) {
-            double value = m * pow(10, decade);
+        for (int half = 2; half < 20; half++) {
+            // between whole ones where there would be too few
+            if (half % 2 && (decades > 0.8 || half > 7)) continue;
+            int m = half / 2;
+            double value = 0.5 * half * pow(10, decade);
             if (value < from * (1 - 1e-9) || value > to * (1 + 1e-9)) continue;
             bool labelled =
-                m == 1 ? decade % step == 0
-                       : decades < 0.8 || (m == 5 && decades < 3) || (m == 2 && decades < 2);
+                half == 2 ? decade % step == 0
+                          : decades < 0.8 || (m == 5 && decades < 3) || (m == 2 && decades < 2);
             if (labelled && decades < 4)
                 fprintf(script, "%s'%g' %.12g", comma, value, value);
             else if (labelled)
                 fprintf(script, "%s'10^{%d}' %.12g", comma, decade, value);
-            else if (step == 1 || m == 1)
-                fprintf(script, "%s'' %.12g %d", comma, value, m == 1 ? 0 : 1);
+            else if (step == 1 || half == 2)
+                fprintf(script, "%s'' %.12g %d", comma, value, half == 2 ? 0 : 1);
             else
                 continue;
             comma = ", ";

@@ -72,7 +72,7 @@ static void write_axes(FILE *script, const sphv_convergence *scene, const sphv_r
     static const char *const names[] = {"N, number of particles", "n, number of neighbours",
                                         "h, smoothing length", "h/Δx"};
     char label[SPHV_SERIES_TEXT];
-    fprintf(script, "set xlabel '%s' offset 0,0.6 noenhanced\nset ylabel ",
+    fprintf(script, "set xlabel '%s' offset 0,0.75 noenhanced\nset ylabel ",
             names[plot->series.axis]);
     sphv_put_gnuplot(script, sphv_plot_axis_text(label, scene, plot), LABEL_MAX);
     fputs(" noenhanced\n", script);
@@ -81,9 +81,9 @@ static void write_axes(FILE *script, const sphv_convergence *scene, const sphv_r
     else if (range->x_from < range->x_to)
         sphv_plot_log_axis(script, 'x', range->x_from / 1.15, range->x_to * 1.15);
     if (plot->series.metric == SPHV_METRIC_FAILED)
-        fputs("set yrange [0:1]\n", script);
+        fputs("set yrange [-0.03:1.03]\n", script);
     else if (plot->series.metric == SPHV_METRIC_H && range->y_from < range->y_to)
-        sphv_plot_log_axis(script, 'y', range->y_from / 1.1, range->y_to * 1.1);
+        sphv_plot_log_axis(script, 'y', range->y_from / 1.15, range->y_to * 1.15);
     else
         fputs("set logscale y\nset format y '10^{%T}'\n", script);
 }
@@ -99,6 +99,49 @@ static void write_trends(FILE *script, const sphv_rate_plot *plot, const struct 
     }
 }
 
+static int longest_label(const sphv_convergence *scene, const sphv_rate_plot *plot)
+{
+    int longest = 0;
+    for (size_t c = 0; c < plot->scheme_count; c++) {
+        int length = sphv_text_length(scene->schemes[plot->schemes[c]].label);
+        if (length > longest) longest = length;
+    }
+    return longest;
+}
+
+static int key_columns(const sphv_convergence *scene, const sphv_rate_plot *plot)
+{
+    int longest = longest_label(scene, plot);
+    return longest > 26 ? 1 : longest > 12 ? 2 : 3;
+}
+
+/// gnuplot counts characters: it sets long labels too far apart, so that they need a column more,
+/// and lets short ones touch.
+static int key_width(const sphv_convergence *scene, const sphv_rate_plot *plot)
+{
+    int longest = longest_label(scene, plot);
+    return longest > 12 ? -longest / 5 : 1;
+}
+
+/// `N⁻²`, or `N^(−1/2)` where the exponent is no integer.
+static void write_power(FILE *script, const char *symbol, double power)
+{
+    static const char *const digits[] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+    char text[SPHV_NUMBER_TEXT];
+    fputs(symbol, script);
+    if (power == floor(power) && fabs(power) < 10) {
+        fprintf(script, "%s%s", power < 0 ? "⁻" : "", digits[(int)fabs(power)]);
+        return;
+    }
+    for (int below = 2; below <= 12; below++) {
+        double above = nearbyint(power * below);
+        if (fabs(power * below - above) > 1e-9) continue;
+        fprintf(script, "^(%s/%d)", sphv_number_text(text, above, 6), below);
+        return;
+    }
+    fprintf(script, "^(%s)", sphv_number_text(text, power, 4));
+}
+
 static void write_plot(FILE *script, const sphv_convergence_result *result,
                        const sphv_rate_plot *plot)
 {
@@ -112,7 +155,8 @@ static void write_plot(FILE *script, const sphv_convergence_result *result,
     }
     write_axes(script, scene, plot, &range);
     if (trends) write_trends(script, plot, &range);
-    fputs("set key maxcols 3 width -2 font ',15'\nplot ", script);
+    fprintf(script, "set key maxcols %d width %d font ',15'\nplot ", key_columns(scene, plot),
+            key_width(scene, plot));
     for (size_t c = 0; c < plot->scheme_count; c++) {
         const sphv_plot_style *style = sphv_plot_style_of(c);
         fprintf(script,
@@ -130,11 +174,13 @@ static void write_plot(FILE *script, const sphv_convergence_result *result,
                     "notitle",
                     c, style->colour, style->hollow);
     }
-    for (size_t t = 0; trends && t < plot->trend_count; t++)
+    for (size_t t = 0; trends && t < plot->trend_count; t++) {
         fprintf(script,
-                ", $trend%zu with lines linecolor rgb '#707070' dashtype %zu linewidth 1.5 title "
-                "'%s^%.4g'",
-                t, t + 2, symbols[plot->series.axis], plot->trends[t]);
+                ", $trend%zu with lines linecolor rgb '#707070' dashtype %zu linewidth 1.5 title '",
+                t, t + 2);
+        write_power(script, symbols[plot->series.axis], plot->trends[t]);
+        fputc('\'', script);
+    }
     if (theory)
         fputs(", keyentry with points linecolor rgb 'black' pointtype 6 pointsize 1.1 title "
               "'theory'",
@@ -169,7 +215,8 @@ sphv_status sphv_plot_rates_as(const sphv_convergence_result *result, size_t plo
 {
     const sphv_rate_plot *of = &result->scene->plots[plot];
     *svg = NULL;
-    int entries = (int)(of->scheme_count + of->trend_count) + 1, rows = (entries + 2) / 3;
+    int entries = (int)(of->scheme_count + of->trend_count) + 1;
+    int columns = key_columns(result->scene, of), rows = (entries + columns - 1) / columns;
     sphv_plot_script script;
     sphv_status status = sphv_plot_begin(
         &script, WIDTH, of->picture ? 560 : PLOT_HEIGHT + rows * LINE_HEIGHT, error);

@@ -102,7 +102,7 @@ static void write_axes(FILE *script, const sphv_scene_result *result)
         [SPHV_OVER_H] = "h/λ, smoothing length in wavelengths",
         [SPHV_OVER_SPACING] = "Δx/h, particle spacing in smoothing lengths",
     };
-    fprintf(script, "set xlabel '%s' offset 0,0.6 noenhanced\n", labels[scene->abscissa]);
+    fprintf(script, "set xlabel '%s' offset 0,0.75 noenhanced\n", labels[scene->abscissa]);
     if (scene->logarithmic)
         sphv_plot_log_axis(script, 'x', scene->from, scene->to);
     else

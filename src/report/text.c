@@ -52,29 +52,32 @@ int sphv_text_length(const char *text)
     return length;
 }
 
+/// What stands for a character that would be taken for code.
+struct escape {
+    char character;
+    const char *written;
+};
+
+static const struct escape html_escapes[] = {{'&', "&amp;"},  {'<', "&lt;"},   {'>', "&gt;"},
+                                             {'"', "&quot;"}, {'\'', "&#39;"}, {0, NULL}};
+
+/// Entities work where Markdown or a table around it would not honour a backslash.
+static const struct escape markdown_escapes[] = {{'&', "&amp;"},  {'<', "&lt;"},  {'>', "&gt;"},
+                                                 {'|', "&#124;"}, {'@', "&#64;"}, {0, NULL}};
+
+static const char *escaped(const struct escape *escapes, const char *c)
+{
+    for (; escapes->written; escapes++)
+        if (escapes->character == c[0]) return escapes->written;
+    return NULL;
+}
+
 void sphv_put_html(FILE *stream, const char *text)
 {
     char c[5];
     while (sphv_text_next(&text, c)) {
-        switch (c[0]) {
-        case '&':
-            fputs("&amp;", stream);
-            break;
-        case '<':
-            fputs("&lt;", stream);
-            break;
-        case '>':
-            fputs("&gt;", stream);
-            break;
-        case '"':
-            fputs("&quot;", stream);
-            break;
-        case '\'':
-            fputs("&#39;", stream);
-            break;
-        default:
-            fputs(c, stream);
-        }
+        const char *written = escaped(html_escapes, c);
+        fputs(written ? written : c, stream);
     }
 }
 
@@ -82,29 +85,12 @@ void sphv_put_markdown(FILE *stream, const char *text)
 {
     char c[5];
     while (sphv_text_next(&text, c)) {
-        switch (c[0]) {
-        // Entities work where Markdown or a table around it would not honour a backslash.
-        case '&':
-            fputs("&amp;", stream);
-            break;
-        case '<':
-            fputs("&lt;", stream);
-            break;
-        case '>':
-            fputs("&gt;", stream);
-            break;
-        case '|':
-            fputs("&#124;", stream);
-            break;
-        case '@':
-            fputs("&#64;", stream);
-            break;
-        default:
-            // Parentheses and braces mean nothing once the square brackets are escaped.
-            if (strchr("\\`*_[]#~$", c[0])) fputc('\\', stream);
-            // No automatic links.
-            fputs(c[0] == ':' && text[0] == '/' ? "&#58;" : c, stream);
-        }
+        const char *written = escaped(markdown_escapes, c);
+        // Parentheses and braces mean nothing once the square brackets are escaped.
+        if (strchr("\\`*_[]#~$", c[0])) fputc('\\', stream);
+        // No automatic links.
+        if (c[0] == ':' && text[0] == '/') written = "&#58;";
+        fputs(written ? written : c, stream);
     }
 }
 

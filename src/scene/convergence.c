@@ -2,7 +2,6 @@
 #include <stdlib.h>
 
 #include "convergence_reader.h"
-#include "core/directory.h"
 #include "scene_reader.h"
 
 sphv_box sphv_scheme_box(const sphv_convergence *scene, const sphv_scheme *scheme, size_t level)
@@ -25,22 +24,6 @@ double sphv_scheme_h(const sphv_convergence *scene, const sphv_scheme *scheme, s
     }
 }
 
-static sphv_status read_head(const struct sphv_rates_reader *of, const char *path)
-{
-    const struct sphv_rates_file *file = of->file;
-    sphv_convergence *scene = of->scene;
-    sphv_status status = sphv_rates_text(of, path, &scene->path);
-    if (status == SPHV_OK) status = sphv_rates_text(of, file->name, &scene->name);
-    if (status == SPHV_OK) status = sphv_rates_text(of, file->title, &scene->title);
-    if (status == SPHV_OK) status = sphv_rates_text(of, file->source, &scene->source);
-    if (status == SPHV_OK) status = sphv_rates_text(of, file->notes, &scene->notes);
-    if (status == SPHV_OK && !sphv_plain_name(file->name))
-        status = SPHV_RATES_FAIL(of, "name",
-                                 "'%s' is not a name; allowed: letters, digits, '-', '_' and '.'",
-                                 file->name);
-    return status;
-}
-
 static sphv_status read_convergence(const char *data_directory, const char *path,
                                     const sphv_yaml *yaml, sphv_convergence **out,
                                     sphv_error *error)
@@ -48,7 +31,7 @@ static sphv_status read_convergence(const char *data_directory, const char *path
     struct sphv_rates_reader of = {data_directory, yaml, sphv_yaml_data(yaml),
                                    calloc(1, sizeof *of.scene), error};
     if (!of.scene) return sphv_fail(error, SPHV_RESOURCE_FAILURE, "out of memory");
-    sphv_status status = read_head(&of, path);
+    sphv_status status = sphv_read_head(yaml, path, &of.file->head, SPHV_HEAD_OF(of.scene), error);
     if (status == SPHV_OK) status = sphv_rates_read_particles(&of);
     if (status == SPHV_OK) status = sphv_rates_read_schemes(&of);
     if (status == SPHV_OK) status = sphv_rates_read_targets(&of);
@@ -124,12 +107,8 @@ static void free_listed(sphv_level_list *list, size_t levels)
 
 static void free_claims_and_plots(sphv_convergence *scene)
 {
-    for (size_t i = 0; i < scene->claim_count; i++) {
-        free(scene->claims[i].id);
-        free(scene->claims[i].statement);
-        free(scene->claims[i].reason);
-        free(scene->claims[i].refuted);
-    }
+    for (size_t i = 0; i < scene->claim_count; i++)
+        sphv_free_claim_texts(SPHV_TEXTS_OF(&scene->claims[i]));
     for (size_t i = 0; i < scene->plot_count; i++) {
         free(scene->plots[i].id);
         free(scene->plots[i].title);
@@ -161,10 +140,6 @@ void sphv_convergence_free(sphv_convergence *scene)
     free(scene->targets);
     free(scene->schemes);
     free(scene->levels);
-    free(scene->path);
-    free(scene->name);
-    free(scene->title);
-    free(scene->source);
-    free(scene->notes);
+    sphv_free_head(SPHV_HEAD_OF(scene));
     free(scene);
 }

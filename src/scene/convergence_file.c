@@ -71,7 +71,7 @@ static sphv_status read_box(const struct sphv_rates_reader *of, unsigned index)
     for (unsigned i = 0; i < index; i++)
         if (strcmp(of->file->boxes[i].id, file->id) == 0)
             return SPHV_RATES_FAIL(of, place, "box '%s' again; allowed: each id once", file->id);
-    sphv_status status = sphv_rates_text(of, file->id, &named->id);
+    sphv_status status = sphv_copy_text(file->id, &named->id, of->error);
     if (status == SPHV_OK)
         status = sphv_rates_name(of, place, file->layout, sphv_layouts, 0, &layout);
     if (status == SPHV_OK)
@@ -128,7 +128,7 @@ static sphv_status read_h(const struct sphv_rates_reader *of, unsigned index, sp
     int rule = 0;
     snprintf(place, sizeof place, "schemes.%u.h", index);
     sphv_status status = sphv_rates_name(of, place, file->of, rules, 0, &rule);
-    if (status == SPHV_OK) status = sphv_rates_text(of, file->factor, &scheme->factor_text);
+    if (status == SPHV_OK) status = sphv_copy_text(file->factor, &scheme->factor_text, of->error);
     if (status == SPHV_OK)
         status = sphv_rates_constant(of, place, file->factor, 1, &scheme->factor);
     if (status == SPHV_OK)
@@ -180,8 +180,8 @@ static sphv_status read_scheme(const struct sphv_rates_reader *of, unsigned inde
     for (unsigned i = 0; i < index; i++)
         if (strcmp(of->file->schemes[i].id, file->id) == 0)
             return SPHV_RATES_FAIL(of, place, "scheme '%s' again; allowed: each id once", file->id);
-    sphv_status status = sphv_rates_text(of, file->id, &scheme->id);
-    if (status == SPHV_OK) status = sphv_rates_text(of, file->label, &scheme->label);
+    sphv_status status = sphv_copy_text(file->id, &scheme->id, of->error);
+    if (status == SPHV_OK) status = sphv_copy_text(file->label, &scheme->label, of->error);
     if (status != SPHV_OK) return status;
     while (file->box && scheme->box < scene->box_count &&
            strcmp(scene->boxes[scheme->box].id, file->box) != 0)
@@ -189,9 +189,9 @@ static sphv_status read_scheme(const struct sphv_rates_reader *of, unsigned inde
     if (scheme->box == scene->box_count)
         return SPHV_RATES_FAIL(of, place, "no box '%s'; allowed: the ids of this scene's boxes",
                                file->box);
-    status = sphv_catalogue_find(of->data_directory, file->kernel, &scheme->kernel, &reason);
-    if (status == SPHV_RESOURCE_FAILURE) return sphv_fail(of->error, status, "%s", reason.message);
-    if (status != SPHV_OK) return SPHV_RATES_FAIL(of, place, "%s", reason.message);
+    status = sphv_read_kernel(of->yaml, place, of->data_directory, file->kernel, &scheme->kernel,
+                              of->error);
+    if (status != SPHV_OK) return status;
     scheme->profile = sphv_kernel_profile(scheme->kernel, scene->dimension);
     if (!scheme->profile)
         return SPHV_RATES_FAIL(of, place, "kernel '%s' is not legal in %d dimensions: %s",
@@ -236,7 +236,7 @@ static sphv_status read_field(const struct sphv_rates_reader *of, unsigned index
                                file->id);
     if (sphv_field_parse(file->field, scene->dimension, &scene->fields[index], &reason) != SPHV_OK)
         return SPHV_RATES_FAIL(of, place, "%s", reason.message);
-    return sphv_rates_text(of, file->id, &scene->field_ids[index]);
+    return sphv_copy_text(file->id, &scene->field_ids[index], of->error);
 }
 
 /// The targets of one field, from its value to its second derivatives: f, f_x, f_y, f_xx, …
@@ -252,7 +252,7 @@ static sphv_status add_targets(const struct sphv_rates_reader *of, size_t field)
         name[used] = '\0';
         sphv_target *target = &scene->targets[scene->target_count++];
         *target = (sphv_target){.field = field, .quantity = q};
-        sphv_status status = sphv_rates_text(of, name, &target->name);
+        sphv_status status = sphv_copy_text(name, &target->name, of->error);
         if (status != SPHV_OK) return status;
     }
     return SPHV_OK;
@@ -298,7 +298,7 @@ sphv_status sphv_rates_add_alone(const struct sphv_rates_reader *of, size_t targ
         .field = like->field, .quantity = like->quantity, .altered = true, .alone = true};
     char name[80];
     snprintf(name, sizeof name, "estimated %.60s", like->name);
-    return sphv_rates_text(of, name, &alone->name);
+    return sphv_copy_text(name, &alone->name, of->error);
 }
 
 sphv_status sphv_rates_add_altered(const struct sphv_rates_reader *of, const char *place,
@@ -312,7 +312,7 @@ sphv_status sphv_rates_add_altered(const struct sphv_rates_reader *of, const cha
     altered->altered = true;
     altered->without = (sphv_field){.name = "left out", .dimension = scene->dimension, .terms = 0};
     *out = scene->target_count++;
-    sphv_status status = sphv_rates_text(of, scene->targets[target].name, &altered->name);
+    sphv_status status = sphv_copy_text(scene->targets[target].name, &altered->name, of->error);
     for (unsigned t = 0; status == SPHV_OK && t < file->without_count; t++) {
         const struct sphv_rates_term *from = &file->without[t];
         sphv_field_term *term = &altered->without.term[altered->without.terms++];

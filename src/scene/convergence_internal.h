@@ -11,7 +11,8 @@ enum { SPHV_SCHEMES_MAX = 40, SPHV_RATE_FIELDS_MAX = 8 };
 sphv_status sphv_convergence_predict(sphv_convergence_result *result, sphv_progress progress,
                                      void *context, sphv_error *error) SPHV_MUST_CHECK;
 
-/// Judges the table, the printed levels and the claims, once everything is measured and predicted.
+/// Judges the table, the printed levels and the claims, once everything is measured and predicted;
+/// whatever was judged before is forgotten.
 void sphv_convergence_judge(sphv_convergence_result *result);
 
 #endif

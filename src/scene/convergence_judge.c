@@ -139,6 +139,7 @@ static void judge_cell(sphv_convergence_result *result, size_t row, size_t colum
     sphv_series series = {.scheme = table->columns[column],
                           .target = table->rows[row],
                           .count = result->scene->level_count};
+    *found = (sphv_cell_result){.evidence = found->evidence};
     if (!cell->there) return;
     found->slope = slope_of(result, series, false);
     found->theory = slope_of(result, series, true);
@@ -171,6 +172,7 @@ static void judge_group(sphv_convergence_result *result, size_t index)
     const sphv_rate_table *table = result->scene->table;
     sphv_group_result *group = &result->groups[index];
     double squares = 0;
+    *group = (sphv_group_result){0};
     for (size_t i = 0; i < table->row_count * table->column_count; i++) {
         const sphv_cell *cell = &table->cells[i];
         const sphv_cell_result *found = &result->cells[i];
@@ -198,6 +200,7 @@ static double last_digit(const char *text)
 static void judge_listed(sphv_convergence_result *result)
 {
     const sphv_level_list *list = result->scene->listed;
+    result->listed_neighbours = result->listed_h = 0;
     for (size_t i = 0; list && i < result->scene->level_count; i++) {
         const sphv_stage *stage = sphv_convergence_stage(result, i, list->scheme);
         result->listed_neighbours += strtod(list->neighbours[i], NULL) == (double)stage->neighbours;
@@ -229,6 +232,7 @@ static sphv_claim_result judge_claim(const sphv_convergence_result *result,
 static void count_points(sphv_convergence_result *result)
 {
     const sphv_convergence *scene = result->scene;
+    memset(result->verdicts, 0, sizeof result->verdicts);
     for (size_t i = 0; i < scene->level_count * scene->scheme_count; i++)
         for (size_t t = 0; t < scene->target_count; t++)
             for (int part = 0; part < 2; part++) {

@@ -33,12 +33,6 @@ const sphv_name_row sphv_rate_measures[] = {
     {NULL, NULL},
 };
 
-sphv_status sphv_rates_text(const struct sphv_rates_reader *of, const char *from, char **to)
-{
-    *to = strdup(from ? from : "");
-    return *to ? SPHV_OK : sphv_fail(of->error, SPHV_RESOURCE_FAILURE, "out of memory");
-}
-
 sphv_status sphv_rates_number(const struct sphv_rates_reader *of, const char *place,
                               const char *text, double otherwise, double *out)
 {

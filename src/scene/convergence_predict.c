@@ -17,6 +17,8 @@ static void compare(const sphv_convergence *scene, size_t field,
             const sphv_norms *norms = part ? &point->interior : &point->whole;
             point->prediction[part] =
                 part ? prediction->interior[target->quantity] : prediction->rmse[target->quantity];
+            double scatter = part ? prediction->interior_scatter[target->quantity]
+                                  : prediction->scatter[target->quantity];
             // Theory is about all particles: where some are left out there is nothing to compare.
             point->predicted[part] = isfinite(point->prediction[part].value) && norms->counted > 0;
             point->verdict[part] =
@@ -24,7 +26,7 @@ static void compare(const sphv_convergence *scene, size_t field,
                         (part ? point->interior.counted : stage->particles)
                     ? SPHV_INCONCLUSIVE
                     : sphv_compare_norm(point->prediction[part], prediction->rigour, norms->rmse,
-                                        norms->bound, norms->counted, stage->neighbours,
+                                        norms->bound, norms->counted, stage->neighbours, scatter,
                                         norms->rmse);
         }
     }
@@ -61,9 +63,9 @@ static void compare_measures(const sphv_convergence *scene, const sphv_scheme *s
         point->predicted[1] = true;
         point->prediction[1] = rms;
         point->rigour = lattice ? SPHV_RIGOUR_EXACT : SPHV_RIGOUR_STATISTICAL;
-        point->verdict[1] =
-            sphv_compare_norm(rms, point->rigour, point->interior.rmse, point->interior.bound,
-                              point->interior.counted, stage->neighbours, point->interior.rmse);
+        point->verdict[1] = sphv_compare_norm(rms, point->rigour, point->interior.rmse,
+                                              point->interior.bound, point->interior.counted,
+                                              stage->neighbours, INFINITY, point->interior.rmse);
     }
 }
 

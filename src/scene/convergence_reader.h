@@ -3,7 +3,7 @@
 #ifndef SPHVERIFY_CONVERGENCE_READER_H
 #define SPHVERIFY_CONVERGENCE_READER_H
 
-#include "core/yaml_file.h"
+#include "reading.h"
 #include "sphverify/convergence.h"
 
 /// The file as libcyaml fills it.
@@ -76,7 +76,8 @@ struct sphv_rates_listed {
 };
 
 struct sphv_rates_claim {
-    char *id, *statement, *measure, *expected, *tolerance, *reason, *refuted;
+    struct sphv_file_stated stated;
+    char *measure;
     struct sphv_rates_series series;
 };
 
@@ -92,7 +93,8 @@ struct sphv_rates_measure {
 };
 
 struct sphv_rates_file {
-    char *kind, *name, *title, *source, *notes;
+    char *kind;
+    struct sphv_file_head head;
     int dimension;
     char **particles, **ratios;
     struct sphv_rates_box *boxes;
@@ -122,9 +124,6 @@ struct sphv_rates_reader {
 #define SPHV_RATES_FAIL(of, place, ...)                                                            \
     sphv_yaml_fail((of)->yaml, (place), (of)->error, __VA_ARGS__)
 
-/// Copies a text; NULL becomes "".
-sphv_status sphv_rates_text(const struct sphv_rates_reader *of, const char *from,
-                            char **to) SPHV_MUST_CHECK;
 /// Reads a number such as `-1/6`; `otherwise` where the text is NULL.
 sphv_status sphv_rates_number(const struct sphv_rates_reader *of, const char *place,
                               const char *text, double otherwise, double *out) SPHV_MUST_CHECK;

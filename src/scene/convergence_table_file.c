@@ -48,8 +48,8 @@ static sphv_status read_group(const struct sphv_rates_reader *of, unsigned index
     sphv_column_group *group = &table->groups[index];
     char place[64];
     snprintf(place, sizeof place, "table.groups.%u", index);
-    sphv_status status = sphv_rates_text(of, file->label, &group->label);
-    if (status == SPHV_OK) status = sphv_rates_text(of, file->reason, &group->reason);
+    sphv_status status = sphv_copy_text(file->label, &group->label, of->error);
+    if (status == SPHV_OK) status = sphv_copy_text(file->reason, &group->reason, of->error);
     if (status == SPHV_OK)
         status = sphv_rates_number(of, place, file->tolerance, 0, &group->tolerance);
     if (status == SPHV_OK) status = sphv_rates_number(of, place, file->rms, INFINITY, &group->rms);
@@ -93,7 +93,7 @@ static sphv_status read_cell(const struct sphv_rates_reader *of, const char *pla
     cell->there = strcmp(printed, blank) != 0;
     cell->limit = NAN;
     if (!cell->there) return SPHV_OK;
-    sphv_status status = sphv_rates_text(of, printed, &cell->text);
+    sphv_status status = sphv_copy_text(printed, &cell->text, of->error);
     // The paper prints a plus sign, which is no part of a number here.
     if (status == SPHV_OK)
         status = sphv_rates_number(of, place, printed + (printed[0] == '+'), 0, &cell->printed);
@@ -137,7 +137,7 @@ static sphv_status read_evidence(const struct sphv_rates_reader *of, const char 
     int metric = 0;
     evidence->series = series;
     evidence->matches = !file->matches || *file->matches;
-    sphv_status status = sphv_rates_text(of, file->statement, &evidence->statement);
+    sphv_status status = sphv_copy_text(file->statement, &evidence->statement, of->error);
     if (status == SPHV_OK)
         status = sphv_rates_name(of, place, file->metric, sphv_metrics, SPHV_METRIC_RMSE, &metric);
     if (status == SPHV_OK && file->scheme)
@@ -171,7 +171,7 @@ static sphv_status read_exception(const struct sphv_rates_reader *of, unsigned i
         return SPHV_RATES_FAIL(of, place, "%s by %s is no printed cell, or named twice",
                                file->quantity, file->scheme);
     cell->expected = SPHV_CELL_NOT_REPRODUCED;
-    status = sphv_rates_text(of, file->why, &cell->why);
+    status = sphv_copy_text(file->why, &cell->why, of->error);
     cell->evidence = calloc(file->evidence_count + 1, sizeof *cell->evidence);
     if (!cell->evidence) return no_memory(of->error);
     sphv_series series = {.scheme = table->columns[column], .target = target};
@@ -201,8 +201,8 @@ static sphv_status read_listed(const struct sphv_rates_reader *of)
     sphv_status status = sphv_rates_find_scheme(of, "printed_levels", file->scheme, &list->scheme);
     for (size_t i = 0; status == SPHV_OK && i < scene->level_count; i++) {
         double number;
-        status = sphv_rates_text(of, file->neighbours[i], &list->neighbours[i]);
-        if (status == SPHV_OK) status = sphv_rates_text(of, file->h[i], &list->h[i]);
+        status = sphv_copy_text(file->neighbours[i], &list->neighbours[i], of->error);
+        if (status == SPHV_OK) status = sphv_copy_text(file->h[i], &list->h[i], of->error);
         if (status == SPHV_OK)
             status = sphv_rates_number(of, "printed_levels", list->neighbours[i], 0, &number);
         if (status == SPHV_OK)
@@ -233,25 +233,22 @@ static sphv_status read_claim(const struct sphv_rates_reader *of, unsigned index
     int measure = 0;
     snprintf(place, sizeof place, "claims.%u", index);
     for (unsigned i = 0; i < index; i++)
-        if (strcmp(of->file->claims[i].id, file->id) == 0)
-            return SPHV_RATES_FAIL(of, place, "claim '%s' again; allowed: each id once", file->id);
-    sphv_status status = sphv_rates_text(of, file->id, &claim->id);
-    if (status == SPHV_OK) status = sphv_rates_text(of, file->statement, &claim->statement);
-    if (status == SPHV_OK) status = sphv_rates_text(of, file->reason, &claim->reason);
-    if (status == SPHV_OK && file->refuted)
-        status = sphv_rates_text(of, file->refuted, &claim->refuted);
+        if (strcmp(of->file->claims[i].stated.id, file->stated.id) == 0)
+            return SPHV_RATES_FAIL(of, place, "claim '%s' again; allowed: each id once",
+                                   file->stated.id);
+    sphv_status status = sphv_read_claim_texts(&file->stated, SPHV_TEXTS_OF(claim), of->error);
     if (status == SPHV_OK)
         status = sphv_rates_name(of, place, file->measure, sphv_rate_measures, 0, &measure);
     claim->measure = (sphv_rate_measure)measure;
     if (status == SPHV_OK)
         status = sphv_rates_series(of, place, &file->series, false, &claim->series);
     if (status == SPHV_OK)
-        status = sphv_rates_number(of, place, file->expected, 0, &claim->expected);
+        status = sphv_rates_number(of, place, file->stated.expected, 0, &claim->expected);
     if (status == SPHV_OK)
-        status = sphv_rates_number(of, place, file->tolerance, 0, &claim->tolerance);
+        status = sphv_rates_number(of, place, file->stated.tolerance, 0, &claim->tolerance);
     if (status == SPHV_OK && claim->tolerance < 0)
-        status =
-            SPHV_RATES_FAIL(of, place, "tolerance %s; allowed: zero or positive", file->tolerance);
+        status = SPHV_RATES_FAIL(of, place, "tolerance %s; allowed: zero or positive",
+                                 file->stated.tolerance);
     return status;
 }
 
@@ -305,8 +302,8 @@ static sphv_status read_plot(const struct sphv_rates_reader *of, unsigned index)
                                file->id);
     plot->picture = file->picture && *file->picture;
     if (plot->picture && !series.metric) series.metric = h;
-    sphv_status status = sphv_rates_text(of, file->id, &plot->id);
-    if (status == SPHV_OK) status = sphv_rates_text(of, file->title, &plot->title);
+    sphv_status status = sphv_copy_text(file->id, &plot->id, of->error);
+    if (status == SPHV_OK) status = sphv_copy_text(file->title, &plot->title, of->error);
     if (status == SPHV_OK) status = sphv_rates_series(of, place, &series, true, &plot->series);
     if (status == SPHV_OK && plot->picture && of->scene->dimension != 2)
         status = SPHV_RATES_FAIL(of, place, "a picture in %d dimensions; allowed: 2",

@@ -105,9 +105,9 @@ sphv_status sphv_scene_read_curve(const struct sphv_scene_reader *of, unsigned i
     sphv_abscissa abscissa = of->scene->abscissa;
     sphv_number h = {0, 0};
     char place[64];
-    sphv_status status = sphv_scene_text(of, file->id, &curve->id);
-    if (status == SPHV_OK) status = sphv_scene_text(of, file->label, &curve->label);
-    if (status == SPHV_OK) status = sphv_scene_text(of, file->spacing, &curve->spacing_text);
+    sphv_status status = sphv_copy_text(file->id, &curve->id, of->error);
+    if (status == SPHV_OK) status = sphv_copy_text(file->label, &curve->label, of->error);
+    if (status == SPHV_OK) status = sphv_copy_text(file->spacing, &curve->spacing_text, of->error);
     if (status == SPHV_OK)
         status = read_fixed(of, index, "h", file->h, abscissa == SPHV_OVER_SPACING, &h);
     if (status == SPHV_OK)
@@ -116,10 +116,9 @@ sphv_status sphv_scene_read_curve(const struct sphv_scene_reader *of, unsigned i
     if (status != SPHV_OK) return status;
     curve->h = h.value;
     snprintf(place, sizeof place, "curves.%u.kernel", index);
-    sphv_error reason;
-    status = sphv_catalogue_find(of->data_directory, file->kernel, &curve->kernel, &reason);
-    if (status == SPHV_RESOURCE_FAILURE) return sphv_fail(of->error, status, "%s", reason.message);
-    if (status != SPHV_OK) return sphv_yaml_fail(of->yaml, place, of->error, "%s", reason.message);
+    status = sphv_read_kernel(of->yaml, place, of->data_directory, file->kernel, &curve->kernel,
+                              of->error);
+    if (status != SPHV_OK) return status;
     curve->profile = sphv_kernel_profile(curve->kernel, 1);
     if (!curve->profile)
         return sphv_yaml_fail(of->yaml, place, of->error,

@@ -3,60 +3,53 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/directory.h"
 #include "scene_reader.h"
 
-enum { OPTIONAL = CYAML_FLAG_POINTER | CYAML_FLAG_OPTIONAL, POINTS_MAX = 20000 };
+enum { POINTS_MAX = 20000 };
 
 static const cyaml_strval_t quantities[] = {
     {"q", SPHV_OVER_Q}, {"h", SPHV_OVER_H}, {"spacing", SPHV_OVER_SPACING}};
 static const cyaml_strval_t scales[] = {{"linear", 0}, {"log", 1}};
 
-#define TEXT(key, flags, structure, member, longest)                                               \
-    CYAML_FIELD_STRING_PTR(key, flags, structure, member, 1, longest)
-
 static const cyaml_schema_field_t abscissa_fields[] = {
     CYAML_FIELD_ENUM("quantity", CYAML_FLAG_DEFAULT, struct sphv_file_abscissa, quantity,
                      quantities, 3),
     CYAML_FIELD_ENUM("scale", CYAML_FLAG_DEFAULT, struct sphv_file_abscissa, scale, scales, 2),
-    TEXT("from", CYAML_FLAG_POINTER, struct sphv_file_abscissa, from, 80),
-    TEXT("to", CYAML_FLAG_POINTER, struct sphv_file_abscissa, to, 80),
+    SPHV_TEXT("from", CYAML_FLAG_POINTER, struct sphv_file_abscissa, from, 80),
+    SPHV_TEXT("to", CYAML_FLAG_POINTER, struct sphv_file_abscissa, to, 80),
     CYAML_FIELD_INT("points", CYAML_FLAG_DEFAULT, struct sphv_file_abscissa, points),
-    CYAML_FIELD_INT_PTR("markers", OPTIONAL, struct sphv_file_abscissa, markers),
+    CYAML_FIELD_INT_PTR("markers", SPHV_OPTIONAL, struct sphv_file_abscissa, markers),
     CYAML_FIELD_END};
 
 static const cyaml_schema_field_t curve_fields[] = {
-    TEXT("id", CYAML_FLAG_POINTER, struct sphv_file_curve, id, 60),
-    TEXT("label", CYAML_FLAG_POINTER, struct sphv_file_curve, label, 100),
-    TEXT("kernel", CYAML_FLAG_POINTER, struct sphv_file_curve, kernel, 400),
-    TEXT("h", OPTIONAL, struct sphv_file_curve, h, 80),
-    TEXT("spacing", OPTIONAL, struct sphv_file_curve, spacing, 80),
-    TEXT("spacing_exponent", OPTIONAL, struct sphv_file_curve, spacing_exponent, 80),
-    TEXT("method", OPTIONAL, struct sphv_file_curve, method, 40),
-    TEXT("layout", OPTIONAL, struct sphv_file_curve, layout, 40),
-    TEXT("volume", OPTIONAL, struct sphv_file_curve, volume, 40),
-    TEXT("sigma", OPTIONAL, struct sphv_file_curve, sigma, 80),
+    SPHV_TEXT("id", CYAML_FLAG_POINTER, struct sphv_file_curve, id, 60),
+    SPHV_TEXT("label", CYAML_FLAG_POINTER, struct sphv_file_curve, label, 100),
+    SPHV_TEXT("kernel", CYAML_FLAG_POINTER, struct sphv_file_curve, kernel, 400),
+    SPHV_TEXT("h", SPHV_OPTIONAL, struct sphv_file_curve, h, 80),
+    SPHV_TEXT("spacing", SPHV_OPTIONAL, struct sphv_file_curve, spacing, 80),
+    SPHV_TEXT("spacing_exponent", SPHV_OPTIONAL, struct sphv_file_curve, spacing_exponent, 80),
+    SPHV_TEXT("method", SPHV_OPTIONAL, struct sphv_file_curve, method, 40),
+    SPHV_TEXT("layout", SPHV_OPTIONAL, struct sphv_file_curve, layout, 40),
+    SPHV_TEXT("volume", SPHV_OPTIONAL, struct sphv_file_curve, volume, 40),
+    SPHV_TEXT("sigma", SPHV_OPTIONAL, struct sphv_file_curve, sigma, 80),
     CYAML_FIELD_END};
 
 static const cyaml_schema_field_t realisation_fields[] = {
     CYAML_FIELD_INT("least", CYAML_FLAG_DEFAULT, struct sphv_file_realisations, least),
     CYAML_FIELD_INT("most", CYAML_FLAG_DEFAULT, struct sphv_file_realisations, most),
-    TEXT("width", CYAML_FLAG_POINTER, struct sphv_file_realisations, width, 80),
-    CYAML_FIELD_INT_PTR("seed", OPTIONAL, struct sphv_file_realisations, seed), CYAML_FIELD_END};
+    SPHV_TEXT("width", CYAML_FLAG_POINTER, struct sphv_file_realisations, width, 80),
+    CYAML_FIELD_INT_PTR("seed", SPHV_OPTIONAL, struct sphv_file_realisations, seed),
+    CYAML_FIELD_END};
 
 static const cyaml_schema_field_t claim_fields[] = {
-    TEXT("id", CYAML_FLAG_POINTER, struct sphv_file_claim, id, 60),
-    TEXT("statement", CYAML_FLAG_POINTER, struct sphv_file_claim, statement, 600),
-    TEXT("measure", CYAML_FLAG_POINTER, struct sphv_file_claim, measure, 60),
-    TEXT("curve", CYAML_FLAG_POINTER, struct sphv_file_claim, curve, 60),
-    TEXT("reference", OPTIONAL, struct sphv_file_claim, reference, 60),
-    CYAML_FIELD_BOOL_PTR("special", OPTIONAL, struct sphv_file_claim, special),
-    TEXT("from", OPTIONAL, struct sphv_file_claim, from, 80),
-    TEXT("to", OPTIONAL, struct sphv_file_claim, to, 80),
-    TEXT("expected", CYAML_FLAG_POINTER, struct sphv_file_claim, expected, 80),
-    TEXT("tolerance", CYAML_FLAG_POINTER, struct sphv_file_claim, tolerance, 80),
-    TEXT("reason", CYAML_FLAG_POINTER, struct sphv_file_claim, reason, 600),
-    TEXT("refuted", OPTIONAL, struct sphv_file_claim, refuted, 900),
+    SPHV_STATED_FIRST(struct sphv_file_claim),
+    SPHV_TEXT("measure", CYAML_FLAG_POINTER, struct sphv_file_claim, measure, 60),
+    SPHV_TEXT("curve", CYAML_FLAG_POINTER, struct sphv_file_claim, curve, 60),
+    SPHV_TEXT("reference", SPHV_OPTIONAL, struct sphv_file_claim, reference, 60),
+    CYAML_FIELD_BOOL_PTR("special", SPHV_OPTIONAL, struct sphv_file_claim, special),
+    SPHV_TEXT("from", SPHV_OPTIONAL, struct sphv_file_claim, from, 80),
+    SPHV_TEXT("to", SPHV_OPTIONAL, struct sphv_file_claim, to, 80),
+    SPHV_STATED_LAST(struct sphv_file_claim),
     CYAML_FIELD_END};
 
 static const cyaml_schema_value_t curve_entry = {
@@ -65,17 +58,15 @@ static const cyaml_schema_value_t claim_entry = {
     CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct sphv_file_claim, claim_fields)};
 
 static const cyaml_schema_field_t scene_fields[] = {
-    TEXT("name", CYAML_FLAG_POINTER, struct sphv_file_scene, name, 64),
-    TEXT("title", CYAML_FLAG_POINTER, struct sphv_file_scene, title, 200),
-    TEXT("source", CYAML_FLAG_POINTER, struct sphv_file_scene, source, 400),
-    TEXT("notes", OPTIONAL, struct sphv_file_scene, notes, 4000),
+    SPHV_HEAD_FIELDS(struct sphv_file_scene),
     CYAML_FIELD_MAPPING("abscissa", CYAML_FLAG_DEFAULT, struct sphv_file_scene, abscissa,
                         abscissa_fields),
-    CYAML_FIELD_MAPPING_PTR("realisations", OPTIONAL, struct sphv_file_scene, realisations,
+    CYAML_FIELD_MAPPING_PTR("realisations", SPHV_OPTIONAL, struct sphv_file_scene, realisations,
                             realisation_fields),
     CYAML_FIELD_SEQUENCE("curves", CYAML_FLAG_POINTER, struct sphv_file_scene, curves, &curve_entry,
                          1, 40),
-    CYAML_FIELD_SEQUENCE("claims", OPTIONAL, struct sphv_file_scene, claims, &claim_entry, 0, 100),
+    CYAML_FIELD_SEQUENCE("claims", SPHV_OPTIONAL, struct sphv_file_scene, claims, &claim_entry, 0,
+                         100),
     CYAML_FIELD_END};
 
 const cyaml_schema_value_t sphv_scene_schema = {
@@ -87,12 +78,6 @@ sphv_status sphv_scene_number(const struct sphv_scene_reader *of, const char *pl
     sphv_error reason;
     if (sphv_number_parse(text, out, &reason) == SPHV_OK) return SPHV_OK;
     return sphv_yaml_fail(of->yaml, place, of->error, "%s", reason.message);
-}
-
-sphv_status sphv_scene_text(const struct sphv_scene_reader *of, const char *from, char **to)
-{
-    *to = strdup(from ? from : "");
-    return *to ? SPHV_OK : sphv_fail(of->error, SPHV_RESOURCE_FAILURE, "out of memory");
 }
 
 static sphv_status read_abscissa(const struct sphv_scene_reader *of)
@@ -186,20 +171,18 @@ static sphv_status read_claim(const struct sphv_scene_reader *of, unsigned index
 {
     const struct sphv_file_claim *file = &of->file->claims[index];
     sphv_claim *claim = &of->scene->claims[index];
-    sphv_status status = sphv_scene_text(of, file->id, &claim->id);
-    if (status == SPHV_OK) status = sphv_scene_text(of, file->statement, &claim->statement);
-    if (status == SPHV_OK) status = sphv_scene_text(of, file->reason, &claim->reason);
-    if (status == SPHV_OK && file->refuted)
-        status = sphv_scene_text(of, file->refuted, &claim->refuted);
+    sphv_status status = sphv_read_claim_texts(&file->stated, SPHV_TEXTS_OF(claim), of->error);
     if (status == SPHV_OK) status = read_measure(of, index, claim);
     if (status == SPHV_OK)
         status = read_claim_number(of, index, "from", file->from, of->scene->from, &claim->from);
     if (status == SPHV_OK)
         status = read_claim_number(of, index, "to", file->to, of->scene->to, &claim->to);
     if (status == SPHV_OK)
-        status = read_claim_number(of, index, "expected", file->expected, 0, &claim->expected);
+        status =
+            read_claim_number(of, index, "expected", file->stated.expected, 0, &claim->expected);
     if (status == SPHV_OK)
-        status = read_claim_number(of, index, "tolerance", file->tolerance, 0, &claim->tolerance);
+        status =
+            read_claim_number(of, index, "tolerance", file->stated.tolerance, 0, &claim->tolerance);
     if (status == SPHV_OK &&
         (claim->from > claim->to || claim->from > of->scene->to || claim->to < of->scene->from)) {
         char place[64];
@@ -212,7 +195,7 @@ static sphv_status read_claim(const struct sphv_scene_reader *of, unsigned index
         char place[64];
         snprintf(place, sizeof place, "claims.%u.tolerance", index);
         status = sphv_yaml_fail(of->yaml, place, of->error,
-                                "tolerance %s; allowed: zero or positive", file->tolerance);
+                                "tolerance %s; allowed: zero or positive", file->stated.tolerance);
     }
     claim->special_only = file->special && *file->special;
     return status;
@@ -233,11 +216,11 @@ static sphv_status refuse_repeated(const struct sphv_scene_reader *of)
             }
     for (unsigned i = 0; i < file->claims_count; i++)
         for (unsigned j = 0; j < i; j++)
-            if (strcmp(file->claims[i].id, file->claims[j].id) == 0) {
+            if (strcmp(file->claims[i].stated.id, file->claims[j].stated.id) == 0) {
                 snprintf(place, sizeof place, "claims.%u.id", i);
                 return sphv_yaml_fail(of->yaml, place, of->error,
                                       "claim '%s' again; allowed: each id once",
-                                      file->claims[i].id);
+                                      file->claims[i].stated.id);
             }
     return SPHV_OK;
 }
@@ -246,16 +229,7 @@ static sphv_status read_scene(const struct sphv_scene_reader *of)
 {
     const struct sphv_file_scene *file = of->file;
     sphv_scene *scene = of->scene;
-    sphv_status status = sphv_scene_text(of, file->name, &scene->name);
-    if (status == SPHV_OK) status = sphv_scene_text(of, file->title, &scene->title);
-    if (status == SPHV_OK) status = sphv_scene_text(of, file->source, &scene->source);
-    if (status == SPHV_OK) status = sphv_scene_text(of, file->notes, &scene->notes);
-    if (status != SPHV_OK) return status;
-    if (!sphv_plain_name(file->name))
-        return sphv_yaml_fail(of->yaml, "name", of->error,
-                              "'%s' is not a name; allowed: letters, digits, '-', '_' and '.'",
-                              file->name);
-    status = read_abscissa(of);
+    sphv_status status = read_abscissa(of);
     scene->curves = calloc(file->curves_count, sizeof *scene->curves);
     scene->claims = calloc(file->claims_count + 1, sizeof *scene->claims);
     if (!scene->curves || !scene->claims)
@@ -277,8 +251,8 @@ sphv_status sphv_scene_read(const char *data_directory, const char *path, const 
 {
     struct sphv_scene_reader of = {data_directory, yaml, sphv_yaml_data(yaml),
                                    calloc(1, sizeof *of.scene), error};
-    sphv_status status = of.scene ? sphv_scene_text(&of, path, &of.scene->path)
-                                  : sphv_fail(error, SPHV_RESOURCE_FAILURE, "out of memory");
+    if (!of.scene) return sphv_fail(error, SPHV_RESOURCE_FAILURE, "out of memory");
+    sphv_status status = sphv_read_head(yaml, path, &of.file->head, SPHV_HEAD_OF(of.scene), error);
     if (status == SPHV_OK) status = read_scene(&of);
     if (status == SPHV_OK)
         *out = of.scene;
@@ -307,18 +281,10 @@ void sphv_scene_free(sphv_scene *scene)
         free(scene->curves[i].spacing_text);
         sphv_kernel_free(scene->curves[i].kernel);
     }
-    for (size_t i = 0; i < scene->claim_count; i++) {
-        free(scene->claims[i].id);
-        free(scene->claims[i].statement);
-        free(scene->claims[i].reason);
-        free(scene->claims[i].refuted);
-    }
+    for (size_t i = 0; i < scene->claim_count; i++)
+        sphv_free_claim_texts(SPHV_TEXTS_OF(&scene->claims[i]));
     free(scene->curves);
     free(scene->claims);
-    free(scene->path);
-    free(scene->name);
-    free(scene->title);
-    free(scene->source);
-    free(scene->notes);
+    sphv_free_head(SPHV_HEAD_OF(scene));
     free(scene);
 }

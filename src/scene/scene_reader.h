@@ -3,8 +3,8 @@
 #ifndef SPHVERIFY_SCENE_READER_H
 #define SPHVERIFY_SCENE_READER_H
 
-#include "core/yaml_file.h"
 #include "internal.h"
+#include "reading.h"
 
 /// The file as libcyaml fills it.
 struct sphv_file_abscissa {
@@ -26,13 +26,13 @@ struct sphv_file_realisations {
 };
 
 struct sphv_file_claim {
-    char *id, *statement, *measure, *curve, *reference;
+    struct sphv_file_stated stated;
+    char *measure, *curve, *reference, *from, *to;
     bool *special;
-    char *from, *to, *expected, *tolerance, *reason, *refuted;
 };
 
 struct sphv_file_scene {
-    char *name, *title, *source, *notes;
+    struct sphv_file_head head;
     struct sphv_file_abscissa abscissa;
     struct sphv_file_realisations *realisations;
     struct sphv_file_curve *curves;
@@ -59,10 +59,6 @@ struct sphv_scene_reader {
 /// Reads a number, or fails with the line of `place`.
 sphv_status sphv_scene_number(const struct sphv_scene_reader *of, const char *place,
                               const char *text, sphv_number *out) SPHV_MUST_CHECK;
-
-/// Copies a text; NULL becomes "".
-sphv_status sphv_scene_text(const struct sphv_scene_reader *of, const char *from,
-                            char **to) SPHV_MUST_CHECK;
 
 /// Reads one curve: kernel, what it fixes, and its experiment.
 sphv_status sphv_scene_read_curve(const struct sphv_scene_reader *of,

@@ -338,21 +338,31 @@ static void bench_fused(size_t side, double (*peak)(void))
     double h = pow((double)(side * side), -1.0 / 6);
     if (!setting_make(&setting, "sigalotti-wendland-c4", &box, h)) exit(2);
     sphv_estimates out;
-    double fma = peak();
-    omp_set_num_threads(1);
-    double wall = -seconds_of(CLOCK_MONOTONIC);
-    double one = run(&setting, 2, 3, methods, CLOCK_PROCESS_CPUTIME_ID, &out);
-    wall += seconds_of(CLOCK_MONOTONIC);
-    printf(
-        "fused sph-difference, cspm, fpm of two fields, N = %zu: %.3g pairs/s, tested/in support "
-        "%.3f, 50 flops a pair, %.2f of the FMA peak of %.3g\n",
-        out.count, out.pairs / one, out.tested / out.pairs, 50 * out.pairs / one / fma, fma);
-    sphv_estimates_free(&out);
-    omp_set_num_threads(2);
-    double two = run(&setting, 2, 3, methods, CLOCK_MONOTONIC, &out);
-    printf("   two threads, times one: %.3g\n", wall / two);
-    sphv_estimates_free(&out);
+    double rate[ROUNDS], fma[ROUNDS], flops[ROUNDS], one[ROUNDS], two[ROUNDS];
+    const double unit[ROUNDS] = {1, 1, 1, 1};
+    for (int round = 0; round < ROUNDS; round++) {
+        fma[round] = peak();
+        omp_set_num_threads(1);
+        one[round] = -seconds_of(CLOCK_MONOTONIC);
+        double seconds = run(&setting, 2, 3, methods, CLOCK_PROCESS_CPUTIME_ID, &out);
+        one[round] += seconds_of(CLOCK_MONOTONIC);
+        if (round == 0)
+            printf("fused sph-difference, cspm, fpm of two fields, N = %zu, %.0f neighbours, "
+                   "tested/in support %.3f\n",
+                   out.count, out.pairs / (double)out.count, out.tested / out.pairs);
+        rate[round] = out.pairs / seconds;
+        flops[round] = rate[round] * 50;
+        sphv_estimates_free(&out);
+        omp_set_num_threads(2);
+        two[round] = run(&setting, 2, 3, methods, CLOCK_MONOTONIC, &out);
+        sphv_estimates_free(&out);
+    }
+    print_ratio("pairs in support per second", rate, unit);
+    printf("   50 flops a pair\n");
+    print_ratio("share of the peak of fused multiply-adds", flops, fma);
+    print_ratio("two threads, times one", one, two);
     setting_free(&setting);
+    fflush(stdout);
 }
 
 /// Cost per pair over three decades of N.

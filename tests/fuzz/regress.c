@@ -15,7 +15,7 @@
 
 #include "target.h"
 
-enum { SECONDS = 20, MIB = 1 << 20, MUTATIONS = 50, CUTS = 24 };
+enum { SECONDS = 20, MIB = 1 << 20, MUTATIONS = 25, CUTS = 24 };
 
 static char description[4400];
 static unsigned long inputs;

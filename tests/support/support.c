@@ -150,6 +150,21 @@ char *file_write(const char *folder, const char *name, const char *text)
     return file_write_bytes(folder, name, text, strlen(text));
 }
 
+char *file_read(const char *folder, const char *name)
+{
+    char *path = NULL, *text = NULL;
+    size_t size = 0;
+    if (asprintf(&path, "%s/%s", folder, name) < 0) fail_msg("out of memory");
+    FILE *file = fopen(path, "rb"), *stream = open_memstream(&text, &size);
+    if (!file || !stream) fail_msg("%s cannot be read", path);
+    for (int c; (c = fgetc(file)) != EOF;) fputc(c, stream);
+    bool failed = ferror(file);
+    fclose(file);
+    if (fclose(stream) != 0 || failed) fail_msg("%s cannot be read", path);
+    free(path);
+    return text;
+}
+
 sphv_status kernel_from_text(const char *text, sphv_kernel **out, sphv_error *error)
 {
     char *folder = folder_make(), *path = file_write(folder, "k.yaml", text);

@@ -65,6 +65,10 @@ char *file_write_bytes(const char *folder, const char *name, const void *bytes, 
 /// The same for a text.
 char *file_write(const char *folder, const char *name, const char *text);
 
+/// Reads folder/name whole, ended by a zero that is no part of it; fails the test when it cannot be
+/// read. The caller frees the text.
+char *file_read(const char *folder, const char *name);
+
 /// Loads a kernel from a text, through a temporary file.
 sphv_status kernel_from_text(const char *text, sphv_kernel **out, sphv_error *error);
 

@@ -214,6 +214,16 @@ static void total(const sphv_experiment *of, double K, sphv_phase phase, sphv_su
                                                                  (part[k].mean[j] - out->mean[j]));
 }
 
+/// A spacing at which no offset crosses the edge of the support, where summands have kinks that no
+/// power of σ describes: the rules move offsets by at most 2σ(6.7 + 4.2) < 0.03 spacings.
+static double spacing_off_the_edge(const sphv_profile *profile)
+{
+    for (;;) {
+        double spacing = random_uniform(0.3, 0.9), last = profile->support / spacing;
+        if (fabs(last - nearbyint(last)) > 0.03) return spacing;
+    }
+}
+
 /// The exact covariances tend to the first-order noise response as σ², with a relative rest of
 /// order σ² by symmetry: what is left at σ is a third of the change to 2σ.
 static void test_first_order_limit(void **state)
@@ -226,9 +236,10 @@ static void test_first_order_limit(void **state)
         for (int volume = SPHV_VOLUME_LATTICE; volume <= SPHV_VOLUME_TESSELLATED; volume++)
             for (int phase = SPHV_PHASE_SINE; phase <= SPHV_PHASE_COSINE; phase++) {
                 double sigma = 1e-3;
-                sphv_experiment of = experiment(sphv_kernel_profile(kernel, 1), (sphv_method)method,
-                                                (sphv_volume)volume, sigma,
-                                                random_uniform(0.3, 0.9), random_log(0.02, 0.2));
+                const sphv_profile *profile = sphv_kernel_profile(kernel, 1);
+                sphv_experiment of =
+                    experiment(profile, (sphv_method)method, (sphv_volume)volume, sigma,
+                               spacing_off_the_edge(profile), random_log(0.02, 0.2));
                 double K = 2 * M_PI * of.h;
                 sphv_sums once, twice, first;
                 total(&of, K, (sphv_phase)phase, &once);

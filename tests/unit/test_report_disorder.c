@@ -220,20 +220,6 @@ static void faults_are_counted_by_method_and_reason(void **state)
     run_free(&run);
 }
 
-static char *read_file(const char *folder, const char *name)
-{
-    char path[4096], *text;
-    size_t size;
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    FILE *file = fopen(path, "rb"), *stream = open_memstream(&text, &size);
-    assert_non_null(file);
-    assert_non_null(stream);
-    for (int c; (c = fgetc(file)) != EOF;) fputc(c, stream);
-    fclose(file);
-    fclose(stream);
-    return text;
-}
-
 static const char *text_at(const json_t *object, const char *key)
 {
     const char *text = json_string_value(json_object_get(object, key));
@@ -284,8 +270,8 @@ static void the_pages_tell_the_experiment(void **state)
     setenv("PATH", path, 1);
     free(path);
     assert_ok(status, error);
-    char *html = read_file(folder, "index.html"), *markdown = read_file(folder, "report.md"),
-         *text = read_file(folder, "report.json");
+    char *html = file_read(folder, "index.html"), *markdown = file_read(folder, "report.md"),
+         *text = file_read(folder, "report.json");
     json_error_t reason;
     json_t *json = json_loads(text, 0, &reason);
     assert_non_null(json);

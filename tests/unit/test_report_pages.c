@@ -1,260 +1,12 @@
-// Plots, CSV and the report's pages, with names and titles that try to be code.
-#include "support.h"
+// The report's pages, with names and titles that try to be code.
+#include "report_support.h"
 
 #include <jansson.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
-
-#include "sphverify/report.h"
-
-static char *copy(const char *text)
-{
-    char *out = strdup(text);
-    assert_non_null(out);
-    return out;
-}
-
-/// Would write a file `touched` if any of it were run by gnuplot or a shell.
-#define NASTY                                                                                      \
-    "'; system(\"touch touched\") # `touch touched` $(touch touched) \" \\ \n set output "         \
-    "'touched'\n{/Symbol a}_b^2 %d @x <script>alert(1)</script> </title></svg> & | ]]> <!--"
-
-/// A scene of two curves over h or Δx/h, run; labels as given.
-struct stage {
-    sphv_scene scene;
-    sphv_curve curves[2];
-    sphv_claim claims[2];
-    sphv_kernel *kernel;
-    sphv_scene_result *result;
-    char *nasty;
-};
-
-static void stage_make(struct stage *stage, sphv_abscissa abscissa, const char *text)
-{
-    sphv_error error;
-    memset(stage, 0, sizeof *stage);
-    stage->kernel = load_kernel("quinlan-w10");
-    stage->nasty = copy(text);
-    for (int i = 0; i < 2; i++)
-        stage->curves[i] = (sphv_curve){.id = stage->nasty,
-                                        .label = stage->nasty,
-                                        .kernel = stage->kernel,
-                                        .profile = sphv_kernel_profile(stage->kernel, 1),
-                                        .h = 0.01 * (1 + i),
-                                        .spacing = sphv_number_from_ratio(4, 11 + 8 * i),
-                                        .spacing_text = stage->nasty};
-    for (int i = 0; i < 2; i++)
-        stage->claims[i] = (sphv_claim){.id = stage->nasty,
-                                        .statement = stage->nasty,
-                                        .measure = &sphv_claim_measures[0],
-                                        .from = 0.001,
-                                        .to = 2,
-                                        .expected = 2,
-                                        .tolerance = i ? 10 : 1e-9,
-                                        .reason = stage->nasty,
-                                        .refuted = i ? NULL : stage->nasty};
-    stage->scene = (sphv_scene){.path = stage->nasty,
-                                .name = stage->nasty,
-                                .title = stage->nasty,
-                                .source = stage->nasty,
-                                .notes = stage->nasty,
-                                .abscissa = abscissa,
-                                .from = abscissa == SPHV_OVER_Q ? 0 : 0.05,
-                                .to = abscissa == SPHV_OVER_H ? 0.3 : 1.2,
-                                .logarithmic = abscissa != SPHV_OVER_Q,
-                                .points = 30,
-                                .markers = 8,
-                                .curve_count = 2,
-                                .claim_count = abscissa == SPHV_OVER_Q ? 0 : 2,
-                                .curves = stage->curves,
-                                .claims = stage->claims};
-    assert_ok(sphv_scene_run(&stage->scene, NULL, NULL, &stage->result, &error), error);
-}
-
-static void stage_free(struct stage *stage)
-{
-    sphv_scene_result_free(stage->result);
-    sphv_kernel_free(stage->kernel);
-    free(stage->nasty);
-}
-
-/// Fails unless tags nest and attributes are quoted; good enough to tell XML from soup.
-static void assert_well_formed(const char *xml)
-{
-    char open[64][32];
-    int depth = 0, elements = 0;
-    for (const char *c = xml; (c = strchr(c, '<'));) {
-        size_t length = strcspn(++c, " >/");
-        const char *end = c;
-        for (char quote = 0; *end && (quote || *end != '>'); end++) {
-            if (quote && *end == quote)
-                quote = 0;
-            else if (!quote && (*end == '"' || *end == '\''))
-                quote = *end;
-            assert_int_not_equal(*end, '<');
-        }
-        assert_int_equal(*end, '>');
-        if (*c == '/') {
-            length = strcspn(c + 1, " >");
-            assert_true(depth > 0);
-            depth--;
-            assert_int_equal(strlen(open[depth]), length);
-            assert_memory_equal(open[depth], c + 1, length);
-        } else if (end[-1] != '/') {
-            assert_true(depth < 64 && length > 0 && length < 32);
-            memcpy(open[depth], c, length);
-            open[depth++][length] = '\0';
-            elements++;
-        }
-        c = end;
-    }
-    assert_int_equal(depth, 0);
-    assert_true(elements > 3);
-}
-
-static size_t count(const char *text, const char *part)
-{
-    size_t found = 0;
-    for (const char *c = text; (c = strstr(c, part)); c++) found++;
-    return found;
-}
-
-static bool have_gnuplot(void)
-{
-    return system("command -v gnuplot >/dev/null 2>&1") == 0;
-}
-
-static void assert_untouched(void)
-{
-    struct stat about;
-    assert_int_not_equal(stat("touched", &about), 0);
-}
-
-static void plots_take_any_text_as_text(void **state)
-{
-    (void)state;
-    if (!have_gnuplot()) skip();
-    char *folder = folder_make(), *was = getcwd(NULL, 0);
-    assert_int_equal(chdir(folder), 0);
-    // Escapes must not swallow a digit that follows, nor anything be lost.
-    static const char *const texts[] = {NASTY,
-                                        "1.05 '1\"2\\3`4@5#6$7{8}9!0%1^2_3",
-                                        "h/λ = 0.05",
-                                        "\\",
-                                        "'",
-                                        "''",
-                                        "{",
-                                        "}",
-                                        "`",
-                                        "\xFF\x01\xC3",
-                                        ""};
-    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
-        for (int abscissa = SPHV_OVER_Q; abscissa <= (i ? 0 : (int)SPHV_OVER_SPACING); abscissa++) {
-            struct stage stage;
-            char *svg;
-            sphv_error error;
-            stage_make(&stage, (sphv_abscissa)abscissa, texts[i]);
-            assert_ok(sphv_plot_scene(stage.result, &svg, &error), error);
-            assert_well_formed(svg);
-            assert_null(strstr(svg, "<script"));
-            assert_null(strstr(svg, "<?xml"));
-            assert_non_null(strstr(svg, "role=\"img\""));
-            // The legend shows the beginning of both labels as they are.
-            if (i == 0) assert_int_equal(count(svg, "'; system(\"touch touched\") # `touch"), 2);
-            if (i == 1 || i == 2) assert_true(count(svg, texts[i]) >= 2);
-            // Both curves have their 30 points: none is lost behind a broken line.
-            assert_true(count(svg, "<path") >= 2);
-            assert_untouched();
-            free(svg);
-            stage_free(&stage);
-        }
-    assert_int_equal(chdir(was), 0);
-    free(was);
-    folder_remove(folder);
-}
-
-static void a_kernel_is_drawn_in_its_dimensions(void **state)
-{
-    (void)state;
-    if (!have_gnuplot()) skip();
-    static const char *const names[] = {"quinlan-w8", "gaussian", "monaghan-m4-prime"};
-    for (size_t i = 0; i < 3; i++) {
-        sphv_kernel *kernel = load_kernel(names[i]);
-        char *svg;
-        sphv_error error;
-        assert_ok(sphv_plot_kernel(kernel, &svg, &error), error);
-        assert_well_formed(svg);
-        // In the legends of both panels of the transform.
-        assert_int_equal(count(svg, ">3D<"), sphv_kernel_profile(kernel, 3) ? 2 : 0);
-        assert_int_equal(count(svg, ">2D<"), 2);
-        // Forty of them leave room for the tables in a page of 2.5 MB.
-        assert_true(strlen(svg) < 40000);
-        free(svg);
-        sphv_kernel_free(kernel);
-    }
-}
-
-/// A field of a CSV line, unquoted when it is a plain number.
-static double csv_number(const char *line, int column)
-{
-    while (column--) {
-        if (*line == '"')
-            for (line++; *line != '"' || line[1] == '"'; line++) line += *line == '"';
-        line = strchr(line, ',');
-        assert_non_null(line++);
-    }
-    return strtod(line, NULL);
-}
-
-static void csv_holds_every_digit(void **state)
-{
-    (void)state;
-    struct stage stage;
-    stage_make(&stage, SPHV_OVER_SPACING, "a,\"b\"\nc");
-    char *csv;
-    size_t size;
-    FILE *stream = open_memstream(&csv, &size);
-    assert_non_null(stream);
-    sphv_scene_csv(stream, stage.result);
-    fclose(stream);
-    char *line = strchr(csv, '\n') + 1;
-    assert_int_equal(count(csv, "\n"),
-                     1 + stage.result->sample_count[0] + stage.result->sample_count[1]);
-    for (size_t c = 0; c < 2; c++)
-        for (size_t i = 0; i < stage.result->sample_count[c]; i++) {
-            const sphv_sample *sample = &stage.result->samples[c][i];
-            assert_true(csv_number(line, 3) == sample->h);
-            assert_true(csv_number(line, 4) == sample->spacing.value);
-            assert_true(csv_number(line, 8) == sample->point.analytic.total.value);
-            assert_true(csv_number(line, 9) == sample->point.analytic.total.bound);
-            assert_true(csv_number(line, 11) == sample->point.empirical.total.value);
-            if (sample->n >= 0) assert_true(csv_number(line, 18) == sample->paper.total.value);
-            line = strchr(line, '\n') + 1;
-        }
-    assert_string_equal(line, "");
-    free(csv);
-    stage_free(&stage);
-}
-
-static char *read_file(const char *folder, const char *name)
-{
-    char path[4096];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    FILE *file = fopen(path, "rb");
-    assert_non_null(file);
-    fseek(file, 0, SEEK_END);
-    size_t size = (size_t)ftell(file);
-    rewind(file);
-    char *text = calloc(1, size + 1);
-    assert_non_null(text);
-    assert_int_equal(fread(text, 1, size, file), size);
-    fclose(file);
-    return text;
-}
 
 static const char hostile_kernel[] =
     "name: hostile\n"
@@ -298,9 +50,9 @@ static void pages_make(struct pages *pages, struct stage *stage)
                           .seconds = 1.5};
     pages->folder = folder_make();
     assert_ok(sphv_report_write(&report, pages->folder, &pages->plots_missing, &error), error);
-    pages->html = read_file(pages->folder, "index.html");
-    pages->markdown = read_file(pages->folder, "report.md");
-    char *text = read_file(pages->folder, "report.json");
+    pages->html = file_read(pages->folder, "index.html");
+    pages->markdown = file_read(pages->folder, "report.md");
+    char *text = file_read(pages->folder, "report.json");
     json_error_t reason;
     pages->json = json_loads(text, 0, &reason);
     if (!pages->json) fail_msg("report.json:%d: %s", reason.line, reason.text);
@@ -481,7 +233,7 @@ static void without_gnuplot_the_tables_remain(void **state)
     (void)state;
     struct stage stage;
     struct pages pages;
-    char *path = copy(getenv("PATH") ? getenv("PATH") : ""), *svg;
+    char *path = text_copy(getenv("PATH") ? getenv("PATH") : ""), *svg;
     sphv_error error;
     char *empty = folder_make();
     setenv("PATH", empty, 1);
@@ -503,9 +255,6 @@ static void without_gnuplot_the_tables_remain(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(plots_take_any_text_as_text),
-        cmocka_unit_test(a_kernel_is_drawn_in_its_dimensions),
-        cmocka_unit_test(csv_holds_every_digit),
         cmocka_unit_test(the_page_is_self_contained_and_inert),
         cmocka_unit_test(false_claims_show_as_such),
         cmocka_unit_test(the_slips_show_their_numbers),

@@ -2,6 +2,7 @@
 /// of the wrong one must notice each, at the points of the paper's figures.
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "sphverify/compare.h"
@@ -26,17 +27,15 @@ enum { DEFECTS = sizeof defects / sizeof *defects };
 
 static sphv_kernel *load_spoilt(const struct defect *defect)
 {
-    static char text[20000], changed[20000];
+    static char changed[20000];
     char path[600];
-    snprintf(path, sizeof path, "%s/kernels/%s.yaml", data_directory(), defect->kernel);
-    FILE *file = fopen(path, "rb");
-    assert_non_null(file);
-    text[fread(text, 1, sizeof text - 1, file)] = '\0';
-    fclose(file);
+    snprintf(path, sizeof path, "kernels/%s.yaml", defect->kernel);
+    char *text = file_read(data_directory(), path);
     const char *at = strstr(text, defect->from);
     if (!at) fail_msg("%s does not hold '%s'", path, defect->from);
     snprintf(changed, sizeof changed, "%.*s%s%s", (int)(at - text), text, defect->to,
              at + strlen(defect->from));
+    free(text);
     // the last piece must end where the support does
     char *until = strstr(changed, "until: 2,");
     if (until && strstr(changed, "support: 1.9")) {

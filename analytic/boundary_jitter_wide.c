@@ -1,0 +1,279 @@
+#include <gsl/gsl_math.h>
+#include <stdlib.h>
+
+#include "boundary_jitter.h"
+
+// Where many neighbours share a support, what perturbations do is small, of the order σΔx/h
+// relative to the error, and smooth on the scale of h. So the lattice's own theory, exact, is
+// corrected by sums over few particles with few neighbours each: nodes of Gauss's rule for sums,
+// each of which stands for many, in panels between the edges, the strips and the interior. What a
+// coarser rule makes of it tells how good it is.
+
+enum {
+    N = SPHV_QUANTITIES_MAX,
+    NODES_MAX = 12,
+    PANELS = 5,
+    REGIONS = PANELS * PANELS,
+    SOURCES = 3,
+    LINES_MAX = 2 * NODES_MAX + 2, ///< of neighbours: two sides and what is between
+};
+
+/// Nodes of particles in a strip and in the interior, and of neighbours on either side of a
+/// particle.
+struct orders {
+    int strip, interior, neighbours;
+};
+/// By dimension: places and neighbours are products.
+static const struct orders fine[] = {{10, 12, 12}, {6, 8, 6}}, coarse[] = {{7, 9, 8}, {3, 5, 4}};
+
+/// Some of the lines of one coordinate, by index, and how many each stands for.
+struct nodes {
+    int count;
+    double index[LINES_MAX], weight[LINES_MAX];
+};
+
+/// A place of particles in one coordinate, and the lines of their neighbours.
+struct place {
+    double index, weight;
+    int panel;
+    bool inside;
+    struct nodes near;
+};
+
+struct places {
+    int count;
+    struct place at[PANELS * NODES_MAX];
+};
+
+/// Mean changes of squares of h^|β| times the error, over all particles and over the interior.
+struct changes {
+    double count[2], next[2][N], rounding[2][N];
+    /// What is added to squares by the mean, by own displacements and by those of neighbours;
+    /// region by region, so that the faults of rules cannot cancel.
+    double square[REGIONS][SOURCES][2][N];
+    /// (Mean error)² times variance, and variance², of own displacements and of neighbours'.
+    double own[2][2][N], shared[2][2][N];
+    bool singular;
+};
+
+/// Adds nodes for the lines from … to − 1.
+static bool add_nodes(struct nodes *nodes, double from, double to, int order)
+{
+    order = (int)fmin(order, to - from);
+    if (order < 1) return true;
+    double *index = nodes->index + nodes->count;
+    if (!sphv_sum_rule(order, to - from, index, nodes->weight + nodes->count)) return false;
+    for (int i = 0; i < order; i++) index[i] += from;
+    nodes->count += order;
+    return true;
+}
+
+/// The lines within reach of an index: the sides, which perturbations treat in another way, alone.
+static bool find_near(const sphv_jitter_sums *of, double index, int order, struct nodes *out)
+{
+    double reach = of->profile->support / of->ds + 4 * of->box->amplitude;
+    double last = (double)of->box->side - 1;
+    double from = ceil(index - reach), to = floor(index + reach) + 1;
+    out->count = 0;
+    if (of->box->periodic) return add_nodes(out, from, to, 2 * order);
+    double lines = fmin(to, last) - fmax(from, 1);
+    int nodes = (int)fmin(2 * order, ceil(order * lines / reach));
+    return (from > 0 || add_nodes(out, 0, 1, 1)) &&
+           add_nodes(out, fmax(from, 1), fmin(to, last), nodes) &&
+           (to <= last || add_nodes(out, last, last + 1, 1));
+}
+
+/// Particles of one coordinate: of the sides, the strips and the interior.
+static bool find_places(const sphv_jitter_sums *of, struct orders orders, struct places *out)
+{
+    double side = (double)of->box->side;
+    double margin = ceil(of->profile->support / of->ds - (of->box->placement ? 0.5 : 0));
+    double low = fmax(1, fmin(margin, side - margin)), high = side - low;
+    double breaks[PANELS + 1] = {0, 1, low, high, side - 1, side};
+    out->count = 0;
+    for (int panel = 0; panel < PANELS; panel++) {
+        struct nodes nodes = {0};
+        bool whole = of->box->periodic;
+        if (whole && panel > 0) break;
+        int order = whole || panel == 2 ? orders.interior : orders.strip;
+        if (!add_nodes(&nodes, breaks[panel], whole ? side : breaks[panel + 1], order))
+            return false;
+        for (int i = 0; i < nodes.count; i++) {
+            struct place *place = &out->at[out->count++];
+            place->index = nodes.index[i];
+            place->weight = nodes.weight[i];
+            place->panel = panel;
+            place->inside = whole || (panel == 2 && margin < side - margin);
+            if (!find_near(of, place->index, orders.neighbours, &place->near)) return false;
+        }
+    }
+    return true;
+}
+
+/// Places a particle and its neighbours on the lattice, or at their mean places.
+static void put(sphv_jitter_sums *of, const struct place *const *at, bool moved)
+{
+    double dx = sphv_box_spacing(of->box);
+    double offset = of->box->placement == SPHV_PLACEMENT_CELL ? 0.5 : 0;
+    int node[SPHV_DIMENSIONS] = {0};
+    for (int i = 0; i < of->d; i++) {
+        double x = (at[i]->index + offset) * dx;
+        of->moved[i] = sphv_jitter_at(of, x);
+        of->x[i] = x + (moved ? of->moved[i]->mean * dx : 0);
+    }
+    of->count = 0;
+    for (bool more = true; more;) {
+        sphv_jitter_neighbour *b = &of->neighbour[of->count];
+        double square = 0, reach = of->profile->support + 4 * of->box->amplitude * of->ds;
+        *b = (sphv_jitter_neighbour){.weight = 1};
+        for (int i = 0; i < of->d; i++) {
+            double x = (at[i]->near.index[node[i]] + offset) * dx;
+            b->moved[i] = sphv_jitter_at(of, x);
+            b->x[i] = x + (moved ? b->moved[i]->mean * dx : 0);
+            b->s[i] = (b->x[i] - of->x[i]) / of->h;
+            b->weight *= at[i]->near.weight[node[i]];
+            square += b->s[i] * b->s[i];
+        }
+        if (square < reach * reach) {
+            b->value = sphv_field_derivative(of->field, (int[SPHV_DIMENSIONS]){0}, b->x);
+            of->count++;
+        }
+        int i = of->d - 1;
+        while (i >= 0 && ++node[i] == at[i]->near.count) node[i--] = 0;
+        more = i >= 0;
+    }
+    // The particle's own line is among those that the nodes stand for; it is no neighbour.
+    sphv_jitter_neighbour *own = &of->neighbour[of->count++];
+    *own = (sphv_jitter_neighbour){.weight = -1};
+    for (int i = 0; i < of->d; i++) {
+        own->x[i] = of->x[i];
+        own->moved[i] = of->moved[i];
+    }
+    own->value = sphv_field_derivative(of->field, (int[SPHV_DIMENSIONS]){0}, own->x);
+}
+
+static void add_particle(sphv_jitter_sums *of, const struct place *const *at, struct changes *to)
+{
+    sphv_jitter_effect effects;
+    double weight = 1, lattice[N];
+    bool inside = true;
+    int region = 0;
+    for (int i = 0; i < of->d; i++) {
+        region = region * PANELS + at[i]->panel;
+        weight *= at[i]->weight;
+        inside = inside && at[i]->inside;
+    }
+    put(of, at, false);
+    bool regular = sphv_jitter_error(of, lattice);
+    put(of, at, true);
+    if (!regular || !sphv_jitter_effects(of, &effects)) {
+        to->singular = true;
+        return;
+    }
+    for (int part = 0; part < (inside ? 2 : 1); part++) {
+        to->count[part] += weight;
+        for (size_t q = 0; q < of->quantities; q++) {
+            double mean = effects.mean[q], own = effects.own[q];
+            double shared = fmax(0, effects.variance[q] - own), change = mean - lattice[q];
+            to->square[region][0][part][q] += weight * change * (2 * lattice[q] + change);
+            to->square[region][1][part][q] += weight * effects.own[q];
+            to->square[region][2][part][q] += weight * (effects.variance[q] - effects.own[q]);
+            to->next[part][q] += weight * effects.next[q];
+            to->rounding[part][q] +=
+                weight * effects.rounding[q] * (2 * fabs(lattice[q]) + effects.rounding[q]);
+            to->own[0][part][q] += weight * mean * mean * own;
+            to->own[1][part][q] += weight * own * own;
+            to->shared[0][part][q] += weight * mean * mean * shared;
+            to->shared[1][part][q] += weight * shared * shared;
+        }
+    }
+}
+
+/// Means over the box by rules of some orders.
+static sphv_status find_changes(sphv_jitter_sums *of, struct orders orders, struct changes *to,
+                                sphv_error *error)
+{
+    struct places places;
+    const struct place *at[SPHV_DIMENSIONS] = {0};
+    int node[SPHV_DIMENSIONS] = {0};
+    *to = (struct changes){0};
+    if (!find_places(of, orders, &places))
+        return sphv_fail(error, SPHV_RESOURCE_FAILURE, "not enough memory for a box's theory");
+    for (bool more = true; more;) {
+        for (int i = 0; i < of->d; i++) at[i] = &places.at[node[i]];
+        add_particle(of, at, to);
+        int i = of->d - 1;
+        while (i >= 0 && ++node[i] == places.count) node[i--] = 0;
+        more = i >= 0;
+    }
+    for (int part = 0; part < 2; part++)
+        for (size_t q = 0; q < of->quantities && to->count[part] > 0; q++) {
+            for (int r = 0; r < REGIONS; r++)
+                for (int n = 0; n < SOURCES; n++) to->square[r][n][part][q] /= to->count[part];
+            to->next[part][q] /= to->count[part];
+            to->rounding[part][q] /= to->count[part];
+            for (int n = 0; n < 2; n++) {
+                to->own[n][part][q] /= to->count[part];
+                to->shared[n][part][q] /= to->count[part];
+            }
+        }
+    return SPHV_OK;
+}
+
+/// Standard deviation of the mean square, or more: own displacements are independent, neighbours'
+/// of particles further apart than two supports.
+static double deviation_of(const sphv_jitter_sums *of, const struct changes *from, int part,
+                           size_t q)
+{
+    static const double ball[] = {2, M_PI};
+    double spacings = 2 * of->profile->support / of->ds;
+    double related = fmin(1, ball[of->d - 1] * gsl_pow_int(spacings, of->d) / from->count[part]);
+    double shared = related * (4 * from->shared[0][part][q] + 2 * from->shared[1][part][q]);
+    double own = (4 * from->own[0][part][q] + 2 * from->own[1][part][q]) / from->count[part];
+    return sqrt(fmax(own, 0)) + sqrt(fmax(shared, 0));
+}
+
+/// Corrects one norm. \param scatter  what is known of its standard deviation, added to
+static void correct(const sphv_jitter_sums *of, const struct changes *from,
+                    const struct changes *rough, int part, size_t q, sphv_result *norm,
+                    double *scatter)
+{
+    if (!(from->count[part] > 0)) return;
+    double scale = gsl_pow_int(of->h, -2 * sphv_monomials(of->d)[q].degree);
+    double square = gsl_pow_2(norm->value), doubt = from->next[part][q];
+    for (int r = 0; r < REGIONS; r++)
+        for (int n = 0; n < SOURCES; n++) {
+            square += scale * from->square[r][n][part][q];
+            doubt += 2 * fabs(from->square[r][n][part][q] - rough->square[r][n][part][q]);
+        }
+    square = fmax(0, square);
+    double margin = 2 * norm->value * *scatter, value = sqrt(square);
+    double rounding = norm->bound + sqrt(square + scale * from->rounding[part][q]) - value;
+    double bound = sqrt(square + scale * doubt) - value;
+    *norm = (sphv_result){value, bound + rounding};
+    *scatter = hypot(margin, scale * deviation_of(of, from, part, q)) / (2 * value);
+    if (!(*scatter >= 0)) *scatter = INFINITY; // no error at all
+    if (from->singular || !(bound <= SPHV_JITTER_BOUND_MAX * value + rounding))
+        *norm = (sphv_result){NAN, INFINITY};
+}
+
+sphv_status sphv_widen_jitter(sphv_jitter_sums *of, sphv_box_prediction *out, sphv_error *error)
+{
+    struct changes result, rough;
+    struct orders most = fine[of->d - 1];
+    size_t size = (size_t)gsl_pow_int(2 * most.neighbours + 2, of->d) + 1;
+    of->neighbour = malloc(size * sizeof *of->neighbour);
+    if (!of->neighbour)
+        return sphv_fail(error, SPHV_RESOURCE_FAILURE, "not enough memory for a box's theory");
+    sphv_status status = find_changes(of, fine[of->d - 1], &result, error);
+    if (status == SPHV_OK) status = find_changes(of, coarse[of->d - 1], &rough, error);
+    free(of->neighbour);
+    if (status != SPHV_OK) return status;
+    out->rigour = SPHV_RIGOUR_STATISTICAL;
+    for (size_t q = 0; q < of->quantities; q++) {
+        correct(of, &result, &rough, 0, q, &out->rmse[q], &out->scatter[q]);
+        correct(of, &result, &rough, 1, q, &out->interior[q], &out->interior_scatter[q]);
+        out->exists[q] = isfinite(out->rmse[q].value) || isfinite(out->interior[q].value);
+    }
+    return SPHV_OK;
+}
