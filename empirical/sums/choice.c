@@ -1,10 +1,11 @@
 /// Which route is the faster.
-#include "half_pairs.h"
 #include <gsl/gsl_math.h>
-#include <stdlib.h>
 
 #include "../internal.h"
+#include "chunks.h"
 #include "evaluation.h"
+#include "half_pairs.h"
+#include "pass.h"
 #include "transform.h"
 
 /// The convolution's arrays may not need more than this.
@@ -12,6 +13,12 @@ static const double MEMORY_MAX = 1e9;
 /// What its transforms may add to the relative error of a sum's bound: far below every truncation
 /// error that is not itself rounding.
 static const double ERROR_MAX = 1e-9;
+
+/// Neighbours from which visiting each pair once is the faster: near 120 both take as long.
+static const double HALF_PAIRS_MIN = 150;
+
+/// Volume of the unit ball, by dimension − 1.
+static const double ball[] = {2, M_PI, 4 * M_PI / 3};
 
 /// Sizes of a convolution.
 struct sizes {
@@ -23,7 +30,6 @@ static struct sizes measure(const sphv_evaluation *evaluation)
 {
     const sphv_particles *particles = evaluation->particles;
     const sphv_request *request = evaluation->request;
-    static const double ball[] = {2, M_PI, 4 * M_PI / 3};
     int d = particles->dimension;
     double side = (double)particles->lattice_side, fields = (double)request->field_count;
     double reach = request->profile->support * request->h / particles->spacing;
@@ -74,9 +80,27 @@ bool sphv_convolution_wins(const sphv_evaluation *evaluation)
     return memory < MEMORY_MAX && error < ERROR_MAX && convolution < direct;
 }
 
+double sphv_mean_reach(const sphv_evaluation *evaluation)
+{
+    const sphv_particles *particles = evaluation->particles;
+    double volume = 1;
+    for (int i = 0; i < particles->dimension; i++) {
+        sphv_span span = sphv_span_of(particles->x[i], particles->count);
+        volume *= span.high - span.low;
+    }
+    double spacing = pow(volume / (double)particles->count, 1.0 / particles->dimension);
+    double reach = evaluation->request->profile->support * evaluation->request->h / spacing;
+    return isfinite(reach) ? reach : 0;
+}
+
 bool sphv_half_pairs_win(const sphv_evaluation *evaluation)
 {
-    const char *t = getenv("HALF");
-    return t && atoi(t) && evaluation->layout.level == SPHV_SUMS_PLAIN &&
-           evaluation->layout.dimension > 1 && !evaluation->particles->periodic;
+    const sphv_request *request = evaluation->request;
+    int d = evaluation->particles->dimension;
+    if (d < 2 || evaluation->particles->periodic || evaluation->particles->count == 0 ||
+        request->field_count < 1 || request->field_count > SPHV_PASS_FIELDS)
+        return false;
+    for (size_t m = 0; m < request->method_count; m++)
+        if (request->methods[m] != SPHV_SPH) return false;
+    return ball[d - 1] * gsl_pow_int(sphv_mean_reach(evaluation), d) > HALF_PAIRS_MIN;
 }

@@ -149,7 +149,6 @@ static void take_fields(const struct direct *direct, struct bench *bench, const 
                         size_t at, int f, int fields)
 {
     const sphv_sorted *sorted = &direct->sorted;
-    bool plain = sorted->evaluation->layout.level == SPHV_SUMS_PLAIN;
     sphv_pass *pass = &bench->pass;
     double low, high;
     pass->sources = (sphv_sources){.v = sorted->v};
@@ -158,7 +157,7 @@ static void take_fields(const struct direct *direct, struct bench *bench, const 
         double *own = bench->worker.values + (size_t)(f + j) * bench->worker.block.stride + at;
         pass->sources.field[j] = sorted->field[f + j];
         load_lanes(sorted->field[f + j], target, own, &low, &high);
-        if (!plain) memcpy(pass->a[j], own, sizeof pass->a[j]);
+        memcpy(pass->a[j], own, sizeof pass->a[j]);
     }
     for (int j = fields; j < SPHV_PASS_FIELDS; j++) { // the first again for want of a second
         pass->sources.field[j] = sorted->field[f];

@@ -141,23 +141,16 @@ double sphv_summand_rounding(const sphv_sum_layout *layout)
     return (SPHV_RADIAL_ERROR + 8 + 3 * degree) * SPHV_U;
 }
 
-static sphv_status visit_pairs(const sphv_evaluation *evaluation, sphv_error *error)
-{
-    return sphv_half_pairs_win(evaluation) ? sphv_evaluate_half_pairs(evaluation, error)
-                                           : sphv_evaluate_direct(evaluation, error);
-}
-
-/// Where standard SPH is all that is asked for, half of the sums do.
+/// Each pair once where that is possible and faster.
 static sphv_status evaluate_direct(const sphv_evaluation *evaluation, sphv_error *error)
 {
-    const sphv_request *request = evaluation->request;
     sphv_evaluation plain = *evaluation;
-    for (size_t m = 0; m < request->method_count; m++)
-        if (request->methods[m] != SPHV_SPH) return visit_pairs(evaluation, error);
     plain.layout = sphv_sum_layout_make(evaluation->layout.dimension, SPHV_SUMS_PLAIN,
-                                        (int)request->field_count);
+                                        (int)evaluation->request->field_count);
     plain.spread = evaluation->largest;
-    return visit_pairs(&plain, error);
+    sphv_status status = SPHV_NO_CLOSED_FORM;
+    if (sphv_half_pairs_win(evaluation)) status = sphv_evaluate_half_pairs(&plain, error);
+    return status == SPHV_NO_CLOSED_FORM ? sphv_evaluate_direct(evaluation, error) : status;
 }
 
 static sphv_status take_route(const sphv_evaluation *evaluation, sphv_error *error)

@@ -13,15 +13,15 @@ enum { SPARE = 32 }; ///< places that a vector may reach over the end of a row
 struct half {
     sphv_sorted sorted;
     sphv_half_pass_function *pass;
-    size_t tile;      ///< targets that the pass takes together
-    size_t count;     ///< particles
-    size_t sums;      ///< of a pass: moments, and those of one or two fields
-    size_t room;      ///< in a row's scratch
-    double *total;    ///< sum k of source b: total[k * count + b]
-    double *number;   ///< neighbours of each source
-    double *depth;    ///< most additions in one visit of a pair of rows
-    double *field[2]; ///< as the pass wants them
-    size_t steps, done;
+    size_t tile;                     ///< targets that the pass takes together
+    size_t count;                    ///< particles
+    size_t sums;                     ///< of a pass
+    size_t room;                     ///< in a row's scratch
+    double *total;                   ///< sum k of source b: total[k * count + b]
+    double *number;                  ///< neighbours of each source
+    double *depth;                   ///< most additions in one visit of a pair of rows
+    double *field[SPHV_PASS_FIELDS]; ///< v A
+    size_t steps, done;              ///< of the progress
 };
 
 /// What one thread needs.
@@ -36,25 +36,26 @@ struct offset {
     long y, z;
 };
 
-static bool make_fields(struct half *half)
+/// \param finite whether all are: lanes that do not count are multiplied by 0
+static bool make_fields(struct half *half, bool *finite)
 {
     const sphv_sorted *sorted = &half->sorted;
-    bool plain = sorted->evaluation->layout.level == SPHV_SUMS_PLAIN;
-    size_t fields = sorted->fields ? sorted->fields : 1;
-    for (size_t f = 0; f < fields; f++) {
-        half->field[f] = sphv_array(half->count + SPARE, sizeof(double));
-        if (!half->field[f]) return false;
-        for (size_t b = 0; b < half->count; b++)
-            half->field[f][b] = sorted->field[f][b] * (plain ? sorted->v[b] : 1);
+    double largest = 0;
+    for (size_t f = 0; f < sorted->fields; f++) {
+        double *field = half->field[f] = sphv_array(half->count + SPARE, sizeof(double));
+        if (!field) return false;
+        for (size_t b = 0; b < half->count; b++) {
+            field[b] = sorted->field[f][b] * sorted->v[b];
+            largest = fmax(largest, fabs(field[b]));
+        }
     }
-    half->field[1] = fields > 1 ? half->field[1] : half->field[0];
+    *finite = isfinite(largest);
     return true;
 }
 
 static void half_free(struct half *half)
 {
-    if (half->field[1] != half->field[0]) free(half->field[1]);
-    free(half->field[0]);
+    for (size_t f = 0; f < SPHV_PASS_FIELDS; f++) free(half->field[f]);
     free(half->total);
     free(half->number);
     free(half->depth);
@@ -72,14 +73,15 @@ static sphv_status half_make(struct half *half, const sphv_evaluation *evaluatio
 {
     const sphv_pass_set *set = evaluation->passes ? evaluation->passes : *sphv_pass_sets();
     const sphv_sum_layout *layout = &evaluation->layout;
-    int fields = evaluation->request->field_count > 1 ? 2 : 1;
     *half = (struct half){.count = evaluation->particles->count,
-                          .sums = (size_t)(layout->moments + fields * layout->per_field)};
-    double thickness = getenv("THICK") ? atof(getenv("THICK")) : 0;
+                          .sums = (size_t)(layout->count - layout->size_at - 3)};
+    // Thick rows make long runs of sources, thin ones few that are not neighbours.
+    double thickness = 2 + sphv_mean_reach(evaluation) / 12;
     sphv_status status = sphv_sorted_make(&half->sorted, evaluation, thickness, error);
     if (status != SPHV_OK) return status;
     const sphv_cell_grid *grid = &half->sorted.grid;
-    half->pass = set->choose_half(layout->dimension, fields, &half->sorted.radial, &half->tile);
+    half->pass = set->choose_half(layout->dimension, (int)half->sorted.fields, &half->sorted.radial,
+                                  &half->tile);
     for (size_t r = 0; r < grid->cells[1] * grid->cells[2]; r++) {
         size_t length = row_begin(grid, r + 1) - row_begin(grid, r);
         if (length > half->room) half->room = length;
@@ -88,10 +90,13 @@ static sphv_status half_make(struct half *half, const sphv_evaluation *evaluatio
     half->total = sphv_array(half->count * half->sums, sizeof(double));
     half->number = sphv_array(half->count, sizeof(double));
     half->depth = sphv_array(half->count, sizeof(double));
-    bool enough = half->total && half->number && half->depth && make_fields(half);
-    if (enough && half->pass) return SPHV_OK;
+    bool finite = false;
+    bool enough = half->total && half->number && half->depth && make_fields(half, &finite);
+    if (enough && finite && half->pass) return SPHV_OK;
     half_free(half);
-    if (enough) return sphv_fail(error, SPHV_NO_CLOSED_FORM, "no pass that visits pairs once");
+    if (enough)
+        return sphv_fail(error, SPHV_NO_CLOSED_FORM,
+                         "pairs of such a kernel or field are not visited once");
     return sphv_fail(error, SPHV_RESOURCE_FAILURE, "out of memory for %zu particles",
                      evaluation->particles->count);
 }
@@ -161,38 +166,42 @@ static size_t list_tiles(const struct half *half, struct visit *visit, size_t ro
     return begin;
 }
 
+static void count_met(struct half *half, size_t b, double neighbours)
+{
+    half->number[b] += neighbours;
+    if (neighbours > half->depth[b]) half->depth[b] = neighbours;
+}
+
 /// All pairs of two rows, or of one.
 static void visit_rows(struct half *half, struct visit *visit, size_t row, size_t other)
 {
     sphv_half_pass *pass = &visit->pass;
     size_t end, begin = list_tiles(half, visit, row, other, &end);
     if (!pass->count) return;
-    begin = begin / SPHV_LANES_MAX * SPHV_LANES_MAX; // rows of sums begin where vectors do
-    pass->first = begin;
+    // Vectors begin where lines of the cache do; sources before `begin` belong to another row.
+    size_t skip = begin % SPHV_LANES_MAX, met = end - begin;
+    pass->first = begin - skip;
     pass->first_target = row_begin(&half->sorted.grid, row);
     half->pass(pass);
     for (size_t i = 0; i < pass->count; i++)
         for (size_t t = 0; t < visit->tile[i].count; t++) {
             size_t a = visit->tile[i].first + t;
-            double met = pass->neighbours[a - pass->first_target];
-            half->number[a] += met;
-            half->depth[a] = fmax(half->depth[a], met);
+            count_met(half, a, pass->neighbours[a - pass->first_target]);
         }
     for (size_t k = 0; k < half->sums; k++) {
-        double *total = half->total + k * half->count + begin, *sums = pass->row + k * pass->room;
+        double *total = half->total + k * half->count + begin;
+        double *sums = pass->row + k * pass->room + skip;
 #pragma omp simd
-        for (size_t b = 0; b < end - begin; b++) total[b] += sums[b];
-        memset(sums, 0, (end - begin) * sizeof *sums);
+        for (size_t b = 0; b < met; b++) total[b] += sums[b];
+        memset(sums, 0, met * sizeof *sums);
     }
     double sure = 0;
-    for (size_t b = 0; b < end - begin; b++) {
+    for (size_t b = 0; b < skip + met; b++) {
         sure += pass->sure[b];
-        double met = pass->met[b] + sure;
-        half->number[begin + b] += met;
-        half->depth[begin + b] = fmax(half->depth[begin + b], met);
+        if (b >= skip) count_met(half, pass->first + b, pass->met[b] + sure);
     }
-    memset(pass->met, 0, (end - begin) * sizeof *pass->met);
-    memset(pass->sure, 0, (end - begin + 1) * sizeof *pass->sure);
+    memset(pass->met, 0, (skip + met) * sizeof *pass->met);
+    memset(pass->sure, 0, (skip + met + 1) * sizeof *pass->sure);
 }
 
 /// How many rows further along an axis a neighbour may be.
@@ -223,32 +232,31 @@ static void visit_offset(struct half *half, struct visit *visit, struct offset o
 }
 
 /// Takes the sums of a block of particles over, scaled and with what each adds to its own.
+/// \param visits that added to a particle's sums at most
 static void finish_block(const struct half *half, sphv_worker *worker, size_t first, size_t count,
-                         double phases)
+                         double visits)
 {
     const sphv_sorted *sorted = &half->sorted;
     const sphv_sum_layout *layout = &sorted->evaluation->layout;
     double p[3], size[3];
     sphv_radial_values(&sorted->radial, layout->level, 0, p, size);
-    for (int k = 0; k < layout->count; k++) {
-        if (k >= layout->size_at && k < layout->size_at + 3) continue;
-        size_t from = (size_t)(k < layout->size_at ? k : k - 3) * half->count + first;
-        double *to = worker->block.sums + (size_t)k * worker->block.stride;
-        for (size_t i = 0; i < count; i++) to[i] = half->total[from + i] * sorted->scale[k];
+    for (size_t k = 0; k < half->sums; k++) {
+        size_t sum = (size_t)layout->size_at + 3 + k;
+        const double *from = half->total + k * half->count + first, scale = sorted->scale[sum];
+        double *to = worker->block.sums + sum * worker->block.stride;
+        for (size_t i = 0; i < count; i++) to[i] = from[i] * scale;
     }
-    bool plain = layout->level == SPHV_SUMS_PLAIN;
-    for (size_t f = 0; f < (plain ? sorted->fields : 1); f++) {
-        int k =
-            plain ? sphv_field_sum_index(layout, (int)f, 0, 0) : sphv_moment_index(layout, 0, 0);
-        double *to = worker->block.sums + (size_t)k * worker->block.stride;
-        for (size_t i = 0; i < count; i++)
-            to[i] += p[0] * (plain ? half->field[f] : sorted->v)[first + i];
+    for (size_t f = 0; f < sorted->fields; f++) {
+        size_t sum = (size_t)sphv_field_sum_index(layout, (int)f, 0, 0);
+        double *to = worker->block.sums + sum * worker->block.stride;
+        for (size_t i = 0; i < count; i++) to[i] += p[0] * half->field[f][first + i];
     }
     for (size_t i = 0; i < count; i++) {
-        double neighbours = half->number[first + i] + 1;
-        sphv_sorted_bound(sorted, worker, i, 1, &neighbours, half->depth[first + i] + phases);
+        double neighbours = half->number[first + i] + 1; // itself
+        sphv_sorted_bound(sorted, worker, i, 1, &neighbours, half->depth[first + i] + visits);
         worker->particle[i] = sorted->grid.particle[first + i];
     }
+    worker->tested += (double)count; // each itself
 }
 
 sphv_status sphv_evaluate_half_pairs(const sphv_evaluation *evaluation, sphv_error *error)
@@ -262,8 +270,8 @@ sphv_status sphv_evaluate_half_pairs(const sphv_evaluation *evaluation, sphv_err
     size_t rows = grid->cells[1] * grid->cells[2];
     size_t blocks = (half.count + SPHV_BLOCK - 1) / SPHV_BLOCK;
     half.steps = 1 + rows * (size_t)((most_y + 1) + most_z * (2 * most_y + 1)) + blocks;
-    // Each visit adds to a particle's sums as a target, its lanes' first, and as a source.
-    double phases = 2.0 * (double)((most_y + 1) + most_z * (2 * most_y + 1)) + SPHV_LANES_MAX;
+    // A particle is target and source once each, and then the lanes of a vector are added.
+    double visits = 2.0 * (double)((most_y + 1) + most_z * (2 * most_y + 1)) + SPHV_LANES_MAX;
 #pragma omp parallel if (half.count > SPHV_BLOCK)
     {
         struct visit visit;
@@ -282,11 +290,11 @@ sphv_status sphv_evaluate_half_pairs(const sphv_evaluation *evaluation, sphv_err
         for (size_t block = 0; block < blocks; block++) {
             size_t first = block * SPHV_BLOCK;
             size_t count = half.count - first < SPHV_BLOCK ? half.count - first : SPHV_BLOCK;
-            if (ready) finish_block(&half, &worker, first, count, phases);
+            if (ready) finish_block(&half, &worker, first, count, visits);
             if (ready) sphv_worker_finish_block(&worker, first, count);
             sphv_evaluation_advance(evaluation, &half.done, half.steps);
         }
-        worker.tested = visit.tested;
+        worker.tested += visit.tested;
         visit_free(&visit);
 #pragma omp critical(sphv_half_pairs)
         sphv_worker_free(&worker);

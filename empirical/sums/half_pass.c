@@ -85,11 +85,12 @@ SPHV_INLINE mask neighbours_of(const half_plan of, const sphv_radial *radial, co
 
 /// Adds a product to a sum of the target, weighted by the source, and to the source's the other way
 /// round; d changes its sign when a pair is seen from its other end.
-SPHV_INLINE void add_both(vec product, const bool odd, vec of_source, vec of_target, vec *target,
-                          vec *source)
+SPHV_INLINE void add_both(vec product, const bool odd, vec of_source, vec of_target, vec *to_target,
+                          vec *to_source)
 {
-    *target = v_fma(product, of_source, *target);
-    *source = odd ? v_fnma(product, of_target, *source) : v_fma(product, of_target, *source);
+    *to_target = v_fma(product, of_source, *to_target);
+    *to_source =
+        odd ? v_fnma(product, of_target, *to_source) : v_fma(product, of_target, *to_source);
 }
 
 /// Adds what the targets of a tile and a vector of sources are to each other. Lanes are compared
@@ -209,9 +210,7 @@ SPHV_INLINE void run(sphv_half_pass *pass, const int dimension, const int fields
 
 #define SHAPES(X, d, fields)                                                                       \
     X(d, fields, C2) X(d, fields, C4) X(d, fields, C6) X(d, fields, CUBIC) X(d, fields, ANY)
-#ifndef EVERY
 #define EVERY(X) SHAPES(X, 2, 1) SHAPES(X, 2, 2) SHAPES(X, 3, 1) SHAPES(X, 3, 2)
-#endif
 
 EVERY(PASS)
 

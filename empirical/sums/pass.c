@@ -83,19 +83,21 @@ typedef struct prepared {
 /// Distance and masked volume of source b; the mask is not needed for sure neighbours. Roots take
 /// long, and the many operations that wait for one would fill the processor's scheduler: they are
 /// taken AHEAD sources before they are used. Without need for 1/r the root comes from the
-/// processor's square root, and once in four from multiplications, which it would keep waiting:
-/// both units are busy.
+/// processor's square root, and once in eight from multiplications, which it would keep waiting:
+/// both units are busy. Where nothing is decided by the square it is rounded less.
 SPHV_INLINE void prepare(const plan of, const sphv_pass *pass, const vec x[3], size_t b,
                          const sphv_radial_form form, bool sure, vec *neighbours, prepared *out)
 {
-    vec square = v_set(0);
-    UNROLL for (int i = 0; i < of.dimension; i++)
-    {
-        vec d = v_sub(v_set(pass->sources.x[i][b]), x[i]);
-        out->d[i] = d;
-        square = i ? v_add(square, v_mul(d, d)) : v_mul(d, d);
-    }
+    UNROLL for (int i = 0; i < of.dimension; i++) out->d[i] =
+        v_sub(v_set(pass->sources.x[i][b]), x[i]);
+    vec square = v_mul(out->d[0], out->d[0]), inverse;
     out->v = v_set(pass->sources.v[b]);
+    if (sure && form != SPHV_RADIAL_PROFILE) {
+        UNROLL for (int i = 1; i < of.dimension; i++) square = v_fma(out->d[i], out->d[i], square);
+    } else {
+        UNROLL for (int i = 1; i < of.dimension; i++) square =
+            v_add(square, v_mul(out->d[i], out->d[i]));
+    }
     if (!sure) {
         mask near = v_less(square, v_set(pass->radial->limit));
         *neighbours = v_count(*neighbours, near);
@@ -103,8 +105,8 @@ SPHV_INLINE void prepare(const plan of, const sphv_pass *pass, const vec x[3], s
     }
     if (form == SPHV_RADIAL_PROFILE)
         out->r = square;
-    else if (of.known.knots == 1 && b % 4 != 0)
-        out->r = v_sqrt(square);
+    else if (of.known.knots == 1)
+        out->r = b % 8 ? v_sqrt(square) : v_root(square, &inverse);
     else
         out->r = v_root(square, &out->inverse);
 }

@@ -147,9 +147,7 @@ SPHV_INLINE plan plan_make(const int dimension, const sphv_sum_level level, cons
 
 // Every level of low degree; special shapes come first, since the first row that fits is taken.
 #define BOTH_FIELDS(X, d, level, name) X(d, level, 1, name) X(d, level, 2, name)
-#define LOW(X, d, name)                                                                            \
-    BOTH_FIELDS(X, d, PLAIN, name)                                                                 \
-    BOTH_FIELDS(X, d, STANDARD, name) BOTH_FIELDS(X, d, FIRST, name)
+#define LOW(X, d, name) BOTH_FIELDS(X, d, STANDARD, name) BOTH_FIELDS(X, d, FIRST, name)
 #if defined(__x86_64__) && !defined(__AVX2__)
 #define SPECIAL(X, d) // few processors of this kind are left without AVX2
 #else

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "../../empirical/sums/evaluation.h"
+#include "../../empirical/sums/half_pairs.h"
 #include "../../empirical/sums/pass.h"
 #include "support.h"
 
@@ -16,6 +17,7 @@
 enum { COUNT_MAX = 4096, FIELDS = 3 };
 
 static sphv_catalogue catalogue;
+static int halves; ///< comparisons of pairs that were visited once
 
 /// Particles with fields, made for a test.
 struct cloud {
@@ -48,6 +50,7 @@ struct sums {
     double rounding[COUNT_MAX];
     unsigned neighbours[COUNT_MAX];
     double spread[FIELDS], pairs, tested;
+    bool refused; ///< the kernel is not one that half pairs take
 };
 
 static void keep(void *watcher, const sphv_sum_block *block)
@@ -95,10 +98,12 @@ static struct sums *sum(const struct cloud *cloud, const sphv_profile *profile, 
                                   .watcher = sums,
                                   .passes = passes};
     sphv_error error;
-    if (route == SPHV_ROUTE_BRUTE_FORCE)
-        assert_ok(sphv_evaluate_brute_force(&evaluation, &error), error);
-    else
-        assert_ok(sphv_evaluate_direct(&evaluation, &error), error);
+    sphv_status status = route == SPHV_ROUTE_BRUTE_FORCE
+                             ? sphv_evaluate_brute_force(&evaluation, &error)
+                         : level == SPHV_SUMS_PLAIN ? sphv_evaluate_half_pairs(&evaluation, &error)
+                                                    : sphv_evaluate_direct(&evaluation, &error);
+    sums->refused = level == SPHV_SUMS_PLAIN && status == SPHV_NO_CLOSED_FORM;
+    if (!sums->refused) assert_ok(status, error);
     sums->pairs = out.pairs;
     sums->tested = out.tested;
     assert_memory_equal(neighbours, sums->neighbours, particles->count * sizeof *neighbours);
@@ -165,7 +170,8 @@ static void compare(const struct cloud *cloud, const sphv_profile *profile, doub
     do {
         struct sums *found =
             sum(cloud, profile, h, level, fields, SPHV_ROUTE_DIRECT, passes ? *passes : NULL);
-        compare_sums(found, expected, cloud, profile->support, fields, what);
+        if (!found->refused) compare_sums(found, expected, cloud, profile->support, fields, what);
+        halves += level == SPHV_SUMS_PLAIN && !found->refused;
         sums_free(found);
     } while (passes && *++passes);
     sums_free(expected);
@@ -183,8 +189,10 @@ static void test_kernels(void **state)
             const sphv_profile *profile = sphv_kernel_profile(catalogue.kernels[k], d);
             if (!profile) continue;
             double reach = random_uniform(0.15, 0.5);
-            for (int level = 0; level < SPHV_SUM_LEVELS; level++) {
+            for (int level = d > 1 ? SPHV_SUMS_PLAIN : SPHV_SUMS_STANDARD; level < SPHV_SUM_LEVELS;
+                 level++) {
                 int fields = (int)random_integer(0, FIELDS);
+                if (level == SPHV_SUMS_PLAIN) fields = (int)random_integer(1, SPHV_PASS_FIELDS);
                 compare(cloud, profile, reach / profile->support, (sphv_sum_level)level, fields,
                         sphv_pass_sets(), sphv_kernel_name(catalogue.kernels[k]));
             }
@@ -250,9 +258,10 @@ static void test_awkward(void **state)
             double reach = arrange(cloud, (enum awkward)kind);
             for (int k = 0; k < 4; k++) {
                 const sphv_profile *profile = profile_of(names[k], d);
-                for (int level = 0; level < SPHV_SUM_LEVELS; level += 3)
-                    compare(cloud, profile, reach / profile->support, (sphv_sum_level)level, 2,
-                            NULL, names[k]);
+                static const sphv_sum_level levels[] = {SPHV_SUMS_PLAIN, SPHV_SUMS_STANDARD,
+                                                        SPHV_SUMS_SECOND};
+                for (int l = d > 1 ? 0 : 1; l < 3; l++)
+                    compare(cloud, profile, reach / profile->support, levels[l], 2, NULL, names[k]);
             }
             free(cloud);
         }
@@ -267,6 +276,9 @@ static void test_few(void **state)
             struct cloud *cloud = cloud_make(d, count);
             compare(cloud, profile_of("wendland-c2", d), random_log(0.01, 10), SPHV_SUMS_FIRST, 1,
                     NULL, "few");
+            if (d > 1 && count > 0)
+                compare(cloud, profile_of("wendland-c2", d), random_log(0.01, 10), SPHV_SUMS_PLAIN,
+                        1, NULL, "few");
             free(cloud);
         }
 }
@@ -296,11 +308,15 @@ static void test_large(void **state)
     random_start("engine large");
     for (int d = 1; d <= 3; d++) {
         struct cloud *cloud = cloud_make(d, quick() ? 300 : 2200);
+        const sphv_profile *profile = profile_of("sigalotti-wendland-c4", d);
         for (int i = 0; i < 2; i++)
-            compare(cloud, profile_of("sigalotti-wendland-c4", d), i ? 2 : 0.2, SPHV_SUMS_STANDARD,
-                    1, NULL, "large");
+            compare(cloud, profile, i ? 2 : 0.2, SPHV_SUMS_STANDARD, 1, NULL, "large");
+        for (int fields = 1; d > 1 && fields <= SPHV_PASS_FIELDS; fields++)
+            compare(cloud, profile, random_log(0.1, 1), SPHV_SUMS_PLAIN, fields, sphv_pass_sets(),
+                    "large");
         free(cloud);
     }
+    assert_true(halves > 0);
 }
 
 #ifdef _OPENMP
@@ -310,20 +326,23 @@ static void test_threads(void **state)
     (void)state;
     if (quick()) skip(); // valgrind takes the threads that OpenMP keeps for a leak
     random_start("engine threads");
+    static const sphv_sum_level levels[] = {SPHV_SUMS_PLAIN, SPHV_SUMS_FIRST};
     int before = omp_get_max_threads();
-    struct cloud *cloud = cloud_make(2, quick() ? 600 : COUNT_MAX);
-    struct sums *sums[2];
-    for (int i = 0; i < 2; i++) {
-        omp_set_num_threads(i ? 3 : 1);
-        sums[i] = sum(cloud, profile_of("sigalotti-wendland-c4", 2), 0.11, SPHV_SUMS_FIRST, 2,
-                      SPHV_ROUTE_DIRECT, NULL);
+    struct cloud *cloud = cloud_make(2, COUNT_MAX);
+    for (int l = 0; l < 2; l++) {
+        struct sums *sums[2];
+        for (int i = 0; i < 2; i++) {
+            omp_set_num_threads(i ? 3 : 1);
+            sums[i] = sum(cloud, profile_of("sigalotti-wendland-c4", 2), 0.11, levels[l], 2,
+                          SPHV_ROUTE_DIRECT, NULL);
+        }
+        omp_set_num_threads(before);
+        size_t size = cloud->particles.count * (size_t)sums[0]->layout.count * sizeof(double);
+        assert_memory_equal(sums[0]->sum, sums[1]->sum, size);
+        assert_memory_equal(sums[0]->rounding, sums[1]->rounding, sizeof sums[0]->rounding);
+        assert_true(sums[0]->tested == sums[1]->tested && sums[0]->pairs == sums[1]->pairs);
+        for (int i = 0; i < 2; i++) sums_free(sums[i]);
     }
-    omp_set_num_threads(before);
-    size_t size = cloud->particles.count * (size_t)sums[0]->layout.count * sizeof(double);
-    assert_memory_equal(sums[0]->sum, sums[1]->sum, size);
-    assert_memory_equal(sums[0]->rounding, sums[1]->rounding, sizeof sums[0]->rounding);
-    assert_true(sums[0]->tested == sums[1]->tested && sums[0]->pairs == sums[1]->pairs);
-    for (int i = 0; i < 2; i++) sums_free(sums[i]);
     free(cloud);
 }
 #endif
@@ -343,6 +362,42 @@ static sphv_status estimate(const struct cloud *cloud, double h, sphv_error *err
         sphv_estimate_particles(&cloud->particles, &request, NULL, NULL, &out, error);
     if (status == SPHV_OK) sphv_estimates_free(&out);
     return status;
+}
+
+/// Standard SPH alone with many neighbours: the choice falls on half pairs, whose estimates are
+/// those of every pair within both bounds.
+static void test_half_pairs(void **state)
+{
+    (void)state;
+    random_start("engine half pairs");
+    static const sphv_method method = SPHV_SPH;
+    for (int d = 2; d <= 3; d++) {
+        struct cloud *cloud = cloud_make(d, 600);
+        sphv_request request = {.profile = profile_of("sigalotti-wendland-c4", d),
+                                .h = d == 2 ? 0.35 : 0.45,
+                                .method_count = 1,
+                                .methods = &method,
+                                .field_count = 2,
+                                .fields = cloud->fields};
+        static const sphv_route routes[] = {SPHV_ROUTE_DIRECT, SPHV_ROUTE_BRUTE_FORCE};
+        sphv_estimates out[2];
+        sphv_error error;
+        for (int i = 0; i < 2; i++) {
+            request.route = routes[i];
+            assert_ok(
+                sphv_estimate_particles(&cloud->particles, &request, NULL, NULL, &out[i], &error),
+                error);
+        }
+        // Not all pairs were tested.
+        assert_true(out[0].pairs == out[1].pairs && out[0].tested < out[1].tested);
+        const sphv_method_estimates *found = &out[0].methods[0], *expected = &out[1].methods[0];
+        for (size_t q = 0; q < 2 * found->quantities; q++)
+            for (size_t a = 0; a < 600; a++)
+                assert_close(found->estimate[q][a], expected->estimate[q][a],
+                             found->rounding[q] + expected->rounding[q]);
+        for (int i = 0; i < 2; i++) sphv_estimates_free(&out[i]);
+        free(cloud);
+    }
 }
 
 static void test_refusals(void **state)
@@ -386,9 +441,10 @@ int main(void)
         return 1;
     }
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_kernels), cmocka_unit_test(test_awkward),
-        cmocka_unit_test(test_few),     cmocka_unit_test(test_periodic),
-        cmocka_unit_test(test_large),   cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_kernels),    cmocka_unit_test(test_awkward),
+        cmocka_unit_test(test_few),        cmocka_unit_test(test_periodic),
+        cmocka_unit_test(test_large),      cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_half_pairs),
 #ifdef _OPENMP
         cmocka_unit_test(test_threads),
 #endif
