@@ -15,12 +15,7 @@ static const double THICKNESS[SPHV_DIMENSIONS] = {0, 2.83, 2};
 
 void sphv_cell_grid_free(sphv_cell_grid *grid)
 {
-    for (int i = 0; i < SPHV_DIMENSIONS; i++) free(grid->x[i]);
-    free(grid->volume);
-    free(grid->particle);
-    free(grid->target);
-    free(grid->start);
-    free(grid->row);
+    free(grid->memory);
     *grid = (sphv_cell_grid){0};
 }
 
@@ -64,17 +59,25 @@ static void choose_cells(sphv_cell_grid *grid, const sphv_extent *extent, double
     }
 }
 
+static void cut_cells(sphv_cell_grid *grid, size_t rows, sphv_bolt *bolt)
+{
+    for (int i = 0; i < grid->dimension; i++)
+        grid->x[i] = sphv_cut(bolt, grid->count, sizeof *grid->x[i]);
+    grid->volume = sphv_cut(bolt, grid->count, sizeof *grid->volume);
+    grid->particle = sphv_cut(bolt, grid->count, sizeof *grid->particle);
+    grid->target = sphv_cut(bolt, grid->targets, sizeof *grid->target);
+    grid->start = sphv_cut(bolt, rows * grid->cells[0] + 2, sizeof *grid->start);
+    grid->row = sphv_cut(bolt, rows + 1, sizeof *grid->row);
+}
+
 static bool allocate_cells(sphv_cell_grid *grid, size_t rows)
 {
-    bool enough = true;
-    for (int i = 0; i < grid->dimension; i++)
-        enough = (grid->x[i] = sphv_room(grid->count, sizeof(double))) && enough;
-    grid->volume = sphv_room(grid->count, sizeof(double));
-    grid->particle = sphv_room(grid->count, sizeof(uint32_t));
-    grid->target = sphv_room(grid->targets, sizeof(uint32_t));
-    grid->start = sphv_room(rows * grid->cells[0] + 2, sizeof(uint32_t));
-    grid->row = sphv_array(rows + 1, sizeof(sphv_row));
-    return enough && grid->volume && grid->particle && grid->target && grid->start && grid->row;
+    sphv_bolt bolt = {NULL, 0};
+    cut_cells(grid, rows, &bolt);
+    if (!sphv_bolt_buy(&bolt)) return false;
+    grid->memory = bolt.memory;
+    cut_cells(grid, rows, &bolt);
+    return true;
 }
 
 /// Bounds of a row, and how many targets it has.
@@ -109,6 +112,7 @@ static void list_targets(const sphv_cell_grid *grid, size_t r)
 static void survey_rows(sphv_cell_grid *grid, size_t rows)
 {
     uint32_t targets = 0;
+    grid->row[rows].first_target = 0;
 #pragma omp parallel for schedule(static) if (sphv_chunks(grid->count) > 1)
     for (size_t r = 0; r < rows; r++) survey_row(grid, r, &grid->row[r]);
     for (size_t r = 0; r <= rows; r++) {
