@@ -81,7 +81,7 @@ static void check_sources(const sphv_cell_grid *grid, const sphv_particles *part
             double x = grid->x[i][s], own = particles->x[i][b] * unit;
             if (x != own) {
                 copy |= 1u << i;
-                assert_true(x == (particles->x[i][b] + (x > own ? 1 : -1)) * unit);
+                assert_true(x == (own < 0.5 * unit ? own / unit + 1 : own / unit - 1) * unit);
             }
             cell = cell * grid->cells[i] + (size_t)sphv_cell_of(grid, i, x);
         }
