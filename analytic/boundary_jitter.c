@@ -36,7 +36,7 @@ struct totals {
 static void put(sphv_jitter_cloud *cloud, const sphv_line *const *line)
 {
     int offset[SPHV_DIMENSIONS] = {0};
-    double dx = sphv_box_spacing(cloud->box);
+    double dx = cloud->dx;
     // Those that a perturbation may bring into the support belong to it.
     double reach = cloud->profile->support + 4 * cloud->box->amplitude * cloud->ds;
     for (int i = 0; i < cloud->d; i++) {
@@ -200,6 +200,7 @@ void sphv_jitter_start(const sphv_box *box, const sphv_profile *profile, double 
                                      .field = field,
                                      .d = box->dimension,
                                      .h = h,
+                                     .dx = sphv_box_spacing(box),
                                      .ds = ds,
                                      .v = volume * gsl_pow_int(ds, box->dimension),
                                      .wide = !every && profile->support / ds > REACH_MAX,

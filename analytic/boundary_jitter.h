@@ -44,7 +44,7 @@ typedef struct sphv_jitter_cloud {
     const sphv_field *field;
     int d;
     size_t monomials; ///< as many as any method needs
-    double h, ds, v;
+    double h, dx, ds, v;
     bool wide;                 ///< too many neighbours to take every one
     double x[SPHV_DIMENSIONS]; ///< mean place of the particle
     const sphv_displacement *moved[SPHV_DIMENSIONS];
@@ -54,6 +54,13 @@ typedef struct sphv_jitter_cloud {
     sphv_displacement free, low, high; ///< in the box, on its lower and its upper sides
 } sphv_jitter_cloud;
 
+/// A method's shape functions without the weights that are 0.
+typedef struct sphv_jitter_parts {
+    int count, radial[SPHV_RADIALS * SPHV_SHAPE_TERMS];
+    size_t monomial[SPHV_RADIALS * SPHV_SHAPE_TERMS];
+    double weight[SPHV_RADIALS * SPHV_SHAPE_TERMS][SPHV_QUANTITIES_MAX];
+} sphv_jitter_parts;
+
 /// The sums of one method around the particle.
 typedef struct sphv_jitter_sums {
     sphv_jitter_cloud *cloud;
@@ -61,6 +68,7 @@ typedef struct sphv_jitter_sums {
     int degree; ///< of the highest monomial in a shape function
     size_t quantities, terms;
     sphv_shape shape; ///< where all are at their mean places, as is what follows
+    sphv_jitter_parts parts;
     double own, estimate[SPHV_QUANTITIES_MAX]; ///< A_a and h^|β| times the estimates
 } sphv_jitter_sums;
 

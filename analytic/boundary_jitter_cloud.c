@@ -10,7 +10,7 @@
 
 const sphv_displacement *sphv_jitter_at(const sphv_jitter_cloud *cloud, double x)
 {
-    double near = 1e-6 * sphv_box_spacing(cloud->box);
+    double near = 1e-6 * cloud->dx;
     if (!cloud->box->reflected) return &cloud->free;
     return fabs(x) < near ? &cloud->low : fabs(1 - x) < near ? &cloud->high : &cloud->free;
 }
@@ -85,7 +85,7 @@ const sphv_jitter_slot *sphv_jitter_look(const sphv_jitter_cloud *cloud,
 {
     int number = slot_of(cloud, by);
     sphv_jitter_slot *slot = number < 0 ? scratch : &b->slot[number];
-    double place[SPHV_DIMENSIONS], dx = sphv_box_spacing(cloud->box);
+    double place[SPHV_DIMENSIONS], dx = cloud->dx;
     if (number < 0) slot->known = slot->known_value = false;
     if (!slot->known) {
         memcpy(place, b->s, sizeof place);

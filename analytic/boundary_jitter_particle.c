@@ -19,22 +19,37 @@ static double field_at(const sphv_jitter_sums *of, const double *x)
     return sphv_field_derivative(of->cloud->field, (int[SPHV_DIMENSIONS]){0}, x);
 }
 
-static void shape_functions(const sphv_jitter_sums *of, const sphv_shape *shape,
+static void take_parts(const sphv_jitter_sums *of, const sphv_shape *shape, sphv_jitter_parts *out)
+{
+    out->count = 0;
+    for (int k = 0; k < SPHV_RADIALS; k++)
+        for (size_t m = 0; m < of->terms; m++) {
+            bool some = false;
+            for (size_t q = 0; q < of->quantities; q++) {
+                out->weight[out->count][q] = shape->weight[q][k][m];
+                some = some || shape->weight[q][k][m] != 0;
+            }
+            out->radial[out->count] = k;
+            out->monomial[out->count] = m;
+            if (some) out->count++;
+        }
+}
+
+static void shape_functions(const sphv_jitter_sums *of, const sphv_jitter_parts *parts,
                             const sphv_jitter_slot *at, double *out)
 {
-    for (size_t q = 0; q < of->quantities; q++) {
-        out[q] = 0;
-        for (int k = 0; k < SPHV_RADIALS; k++)
-            for (size_t m = 0; m < of->terms; m++)
-                if (shape->weight[q][k][m] != 0)
-                    out[q] += shape->weight[q][k][m] * at->p[k] * at->monomial[m];
+    for (size_t q = 0; q < of->quantities; q++) out[q] = 0;
+    for (int i = 0; i < parts->count; i++) {
+        double radial = at->p[parts->radial[i]], monomial = at->monomial[parts->monomial[i]];
+        for (size_t q = 0; q < of->quantities; q++)
+            out[q] += parts->weight[i][q] * radial * monomial;
     }
 }
 
 /// Shape functions and estimates of the particle displaced by `at` Δx along a coordinate while its
 /// neighbours stay. False without a regular moment matrix.
 static bool evaluate(const sphv_jitter_sums *of, int coordinate, double at, sphv_shape *shape,
-                     double *estimate, double *own)
+                     sphv_jitter_parts *parts, double *estimate, double *own)
 {
     enum { MOMENTS = 56 }; // of degree 5 in three dimensions
     double moment[SPHV_RADIALS][MOMENTS] = {{0}}, chi[N];
@@ -45,25 +60,27 @@ static bool evaluate(const sphv_jitter_sums *of, int coordinate, double at, sphv
     sphv_jitter_slot self, scratch;
     const sphv_jitter_slot *slot;
     size_t count = sphv_monomial_count(cloud->d, 2 * of->degree);
+    int radials = of->method == SPHV_MSPH ? SPHV_RADIALS : SPHV_RADIALS - 1;
     double x[SPHV_DIMENSIONS] = {cloud->x[0], cloud->x[1], cloud->x[2]};
-    x[coordinate] += at * sphv_box_spacing(cloud->box);
+    x[coordinate] += at * cloud->dx;
     *own = field_at(of, x);
     sphv_jitter_self(cloud, &self);
     for (b = cloud->neighbour; b <= last; b++) { // the particle itself comes last
         slot = b < last ? sphv_jitter_look(cloud, b, by, false, &scratch) : &self;
         if (!slot->inside) continue;
         double v = b < last ? cloud->v * b->weight : cloud->v;
-        for (int k = 0; k < SPHV_RADIALS; k++)
+        for (int k = 0; k < radials; k++)
             for (size_t m = 0; m < count; m++) moment[k][m] += v * slot->p[k] * slot->monomial[m];
     }
     sphv_shape_make(of->method, cloud->d, moments, shape);
     if (!(shape->condition <= 1 / sqrt(DBL_EPSILON))) return false;
+    take_parts(of, shape, parts);
     for (size_t q = 0; q < of->quantities; q++) estimate[q] = -shape->self[q] * *own;
     for (b = cloud->neighbour; b <= last; b++) {
         slot = b < last ? sphv_jitter_look(cloud, b, by, false, &scratch) : &self;
         if (!slot->inside) continue;
         double value = b < last ? cloud->v * b->weight * b->value : cloud->v * *own;
-        shape_functions(of, shape, slot, chi);
+        shape_functions(of, parts, slot, chi);
         for (size_t q = 0; q < of->quantities; q++) estimate[q] += value * chi[q];
     }
     return true;
@@ -101,10 +118,12 @@ static bool response(const sphv_jitter_sums *of, const sphv_jitter_neighbour *b,
     const sphv_jitter_slot *slot = sphv_jitter_look(of->cloud, b, by, true, &scratch);
     const sphv_monomial *table = sphv_monomials(of->cloud->d);
     const double *monomial = slot->monomial;
-    memset(out, 0, N * sizeof *out);
-    memset(matrix, 0, N * sizeof *matrix);
+    for (size_t q = 0; q < of->quantities; q++) {
+        out[q] = 0;
+        memset(matrix[q], 0, of->quantities * sizeof *matrix[q]);
+    }
     if (!slot->inside) return false;
-    shape_functions(of, &of->shape, slot, chi);
+    shape_functions(of, &of->parts, slot, chi);
     bool quotient = of->method == SPHV_SHEPARD || of->method == SPHV_RKPM_0;
     bool differences = of->method == SPHV_CSPM || of->method == SPHV_SPH_DIFFERENCE;
     for (size_t q = 0; q < of->quantities; q++) {
@@ -279,7 +298,7 @@ static void find_rounding(const sphv_jitter_sums *of, const double *scale, sphv_
         if (!slot->inside) continue;
         double value = other ? b->value : of->own;
         double v = other ? of->cloud->v * fabs(b->weight) : of->cloud->v;
-        shape_functions(of, &of->shape, slot, chi);
+        shape_functions(of, &of->parts, slot, chi);
         for (size_t q = 0; q < of->quantities; q++)
             to->rounding[q] += v * fabs(chi[q]) * fmax(fabs(value), fabs(of->own));
     }
@@ -289,7 +308,7 @@ static void find_rounding(const sphv_jitter_sums *of, const double *scale, sphv_
 bool sphv_jitter_error(sphv_jitter_sums *of, double *out)
 {
     const sphv_monomial *table = sphv_monomials(of->cloud->d);
-    if (!evaluate(of, 0, 0, &of->shape, of->estimate, &of->own)) return false;
+    if (!evaluate(of, 0, 0, &of->shape, &of->parts, of->estimate, &of->own)) return false;
     for (size_t q = 0; q < of->quantities; q++)
         out[q] = of->estimate[q] -
                  gsl_pow_int(of->cloud->h, table[q].degree) *
@@ -312,11 +331,12 @@ bool sphv_jitter_effects(sphv_jitter_sums *of, sphv_jitter_effect *to)
         const sphv_displacement *moved = of->cloud->moved[i];
         for (int m = 0; m < NODES; m++) {
             sphv_shape shape;
+            sphv_jitter_parts parts;
             double x[SPHV_DIMENSIONS] = {of->cloud->x[0], of->cloud->x[1], of->cloud->x[2]};
             memset(effect[m], 0, sizeof effect[m]);
             if (moved->at[m] == 0) continue;
-            if (!evaluate(of, i, moved->at[m], &shape, effect[m], &own)) return false;
-            x[i] += moved->at[m] * sphv_box_spacing(of->cloud->box);
+            if (!evaluate(of, i, moved->at[m], &shape, &parts, effect[m], &own)) return false;
+            x[i] += moved->at[m] * of->cloud->dx;
             for (size_t q = 0; q < of->quantities; q++)
                 effect[m][q] -=
                     scale[q] * sphv_field_derivative(of->cloud->field, table[q].power, x) +

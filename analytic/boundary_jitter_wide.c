@@ -24,7 +24,7 @@ struct orders {
     int strip, interior, neighbours;
 };
 /// By dimension: places and neighbours are products.
-static const struct orders fine[] = {{10, 12, 12}, {6, 8, 6}}, coarse[] = {{7, 9, 8}, {3, 5, 4}};
+static const struct orders fine[] = {{10, 12, 12}, {4, 6, 6}}, coarse[] = {{7, 9, 8}, {2, 4, 4}};
 
 /// Some of the lines of one coordinate, by index, and how many each stands for.
 struct nodes {
@@ -113,7 +113,7 @@ static bool find_places(const sphv_jitter_cloud *of, struct orders orders, struc
 /// Places a particle and its neighbours on the lattice, or at their mean places.
 static void put(sphv_jitter_cloud *of, const struct place *const *at, bool moved)
 {
-    double dx = sphv_box_spacing(of->box);
+    double dx = of->dx;
     double offset = of->box->placement == SPHV_PLACEMENT_CELL ? 0.5 : 0;
     int node[SPHV_DIMENSIONS] = {0};
     for (int i = 0; i < of->d; i++) {

@@ -243,8 +243,9 @@ static double field_moment(const sphv_box_theory *theory, int rest_degree,
     }
     const sphv_monomial *table = sphv_monomials(others);
     size_t rest = sphv_monomial_index(others, (int[SPHV_DIMENSIONS]){power[1], power[2], 0});
+    size_t rests = sphv_monomial_count(others, rest_degree);
     for (int t = 0; t < theory->field.field->terms; t++) {
-        for (size_t g = 0; g < sphv_monomial_count(others, rest_degree); g++) {
+        for (size_t g = 0; g < rests; g++) {
             int order[SPHV_DIMENSIONS] = {0, table[g].power[0], table[g].power[1]};
             double derivative = term_derivative(theory, line, 1, t, order);
             if (derivative == 0) continue;
