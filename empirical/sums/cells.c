@@ -191,13 +191,14 @@ static double room_of(double low, double high)
 }
 
 /// The sources of a row that may be near. \return whether there are any
-static bool find_near(const sphv_cell_grid *grid, size_t row, const double low[SPHV_DIMENSIONS],
-                      const double high[SPHV_DIMENSIONS], double limit, sphv_range *range)
+SPHV_INLINE bool find_near(const sphv_cell_grid *grid, const int dimension, size_t row,
+                           const double low[SPHV_DIMENSIONS], const double high[SPHV_DIMENSIONS],
+                           double limit, sphv_range *range)
 {
     const sphv_row *of = &grid->row[row];
     const uint32_t *start = grid->start + row * grid->cells[0];
     double room = room_of(low[0], high[0]), square = 0;
-    for (int i = 1; i < grid->dimension; i++) {
+    for (int i = 1; i < dimension; i++) {
         double apart = gap(low[i], high[i], of->low[i], of->high[i]);
         square += apart * apart;
     }
@@ -212,21 +213,22 @@ static bool find_near(const sphv_cell_grid *grid, size_t row, const double low[S
 bool sphv_cell_grid_range(const sphv_cell_grid *grid, size_t row, const double low[SPHV_DIMENSIONS],
                           const double high[SPHV_DIMENSIONS], double limit, sphv_range *range)
 {
-    if (!find_near(grid, row, low, high, limit, range)) return false;
+    if (!find_near(grid, grid->dimension, row, low, high, limit, range)) return false;
     find_sure(grid, &grid->row[row], grid->start + row * grid->cells[0], low, high, limit,
               room_of(low[0], high[0]), range);
     return true;
 }
 
-size_t sphv_cell_grid_ranges(const sphv_cell_grid *grid, const double low[SPHV_DIMENSIONS],
-                             const double high[SPHV_DIMENSIONS], double limit, bool sure,
-                             sphv_range *ranges)
+SPHV_INLINE size_t find_ranges(const sphv_cell_grid *grid, const int dimension,
+                               const double low[SPHV_DIMENSIONS],
+                               const double high[SPHV_DIMENSIONS], double limit, bool sure,
+                               sphv_range *ranges)
 {
     // The radius with room for the rounding of what is added to it.
     double radius = sqrt(limit) * (1 + 8 * SPHV_U);
     int first[SPHV_DIMENSIONS] = {0, 0, 0}, last[SPHV_DIMENSIONS] = {0, 0, 0};
     size_t count = 0;
-    for (int i = 1; i < grid->dimension; i++) {
+    for (int i = 1; i < dimension; i++) {
         double room = room_of(low[i], high[i]);
         first[i] = sphv_cell_of(grid, i, low[i] - radius - room);
         last[i] = sphv_cell_of(grid, i, high[i] + radius + room);
@@ -235,7 +237,16 @@ size_t sphv_cell_grid_ranges(const sphv_cell_grid *grid, const double low[SPHV_D
         for (int y = first[1]; y <= last[1]; y++) {
             size_t row = (size_t)z * grid->cells[1] + (size_t)y;
             count += sure ? sphv_cell_grid_range(grid, row, low, high, limit, &ranges[count])
-                          : find_near(grid, row, low, high, limit, &ranges[count]);
+                          : find_near(grid, dimension, row, low, high, limit, &ranges[count]);
         }
     return count;
+}
+
+size_t sphv_cell_grid_ranges(const sphv_cell_grid *grid, const double low[SPHV_DIMENSIONS],
+                             const double high[SPHV_DIMENSIONS], double limit, bool sure,
+                             sphv_range *ranges)
+{
+    if (grid->dimension == 2) return find_ranges(grid, 2, low, high, limit, sure, ranges);
+    if (grid->dimension == 3) return find_ranges(grid, 3, low, high, limit, sure, ranges);
+    return find_ranges(grid, 1, low, high, limit, sure, ranges);
 }
