@@ -43,7 +43,7 @@ sphv_status sphv_theory_start(sphv_box_theory *theory, sphv_error *error)
     if (theory->field.singular)
         lines = (size_t)field->terms * SPHV_RADIALS * (SPHV_SHAPE_DEGREE + 1) * tails * rests;
     size_t series = sphv_monomial_count(theory->d, theory->degree);
-    theory->memory = calloc(SPHV_RADIALS * monomials + series + lines, sizeof *theory->memory);
+    theory->memory = calloc(SPHV_RADIALS * monomials + 2 * series + lines, sizeof *theory->memory);
     bool done = theory->memory != NULL;
     for (size_t m = 0; m < theory->count && done; m++) done = start_method(theory, &theory->of[m]);
     if (!done)
@@ -51,7 +51,10 @@ sphv_status sphv_theory_start(sphv_box_theory *theory, sphv_error *error)
     double *at = theory->memory;
     for (int k = 0; k < SPHV_RADIALS; k++, at += monomials) theory->moment[k] = at;
     theory->derivative = at;
-    at += series;
+    theory->reciprocal = at + series;
+    at += 2 * series;
+    const sphv_monomial *table = sphv_monomials(theory->d);
+    for (size_t g = 0; g < series; g++) theory->reciprocal[g] = 1 / table[g].factorial;
     if (lines)
         for (int t = 0; t < field->terms; t++)
             for (int k = 0; k < SPHV_RADIALS; k++)
@@ -87,8 +90,9 @@ static void take_shape(const sphv_box_theory *theory, sphv_method_theory *of)
             }
         for (size_t g = first; g < count; g++) {
             if (g == 0) of->series[q][g] -= of->shape.self[q];
-            of->series[q][g] = of->series[q][g] / table[g].factorial - (g == (size_t)q ? 1 : 0);
+            of->series[q][g] *= theory->reciprocal[g];
         }
+        if (first <= (size_t)q) of->series[q][q] -= 1;
     }
 }
 

@@ -30,6 +30,7 @@ typedef struct sphv_box_theory {
     double h, volume;                      ///< V/Δx^d
     double *moment[SPHV_RADIALS];
     double *line_moment[SPHV_FIELD_TERMS_MAX][SPHV_RADIALS][SPHV_SHAPE_DEGREE + 1];
+    double *reciprocal;                        ///< 1/γ!
     double *derivative;                        ///< h^|γ| ∂^γA at the particle looked at
     double size[SPHV_MONOMIAL_DEGREE_MAX + 1]; ///< Σ|derivative| κ^|γ|/γ! up to each degree
     double *memory;
