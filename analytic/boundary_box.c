@@ -14,73 +14,87 @@ struct norms {
     double excluded;
 };
 
-static void add_particle(sphv_box_theory *of, const sphv_line *const *line, struct norms *to)
+static void add_errors(const sphv_particle_errors *errors, int quantities, double weight,
+                       double inside, struct norms *to)
+{
+    for (int part = 0; part < (inside > 0 ? 2 : 1); part++) {
+        if (part == 1) weight *= inside;
+        to->count[part] += weight;
+        for (int q = 0; q < quantities; q++) {
+            to->square[part][q] += weight * gsl_pow_2(errors->value[q]);
+            to->bound[part][q] += weight * gsl_pow_2(errors->bound[q]);
+        }
+    }
+    // In the interior or not: what the chance of it adds to the variance of sums.
+    for (int q = 0; q < quantities && inside > 0 && inside < 1; q++)
+        for (int n = 0; n < 3; n++)
+            to->margin[n][q] += weight * (1 - inside) * gsl_pow_int(errors->value[q], 2 * n);
+}
+
+/// What a particle adds for every method.
+static void add_particle(sphv_box_theory *theory, const sphv_line *const *line, struct norms *to)
 {
     double x[SPHV_DIMENSIONS] = {0}, weight = 1, inside = 1;
     int below[SPHV_DIMENSIONS], above[SPHV_DIMENSIONS];
     sphv_particle_errors errors;
-    for (int i = 0; i < of->d; i++) {
+    for (int i = 0; i < theory->d; i++) {
         x[i] = line[i]->x;
         weight *= line[i]->weight;
         below[i] = line[i]->below;
         above[i] = line[i]->above;
         inside *= line[i]->inside;
     }
-    sphv_theory_cut(of, below, above);
-    if (!(of->shape.condition <= 1 / sqrt(DBL_EPSILON))) {
-        to->excluded += weight;
-        return;
-    }
-    if (line[0]->singular)
-        sphv_singular_errors(of, line, x, &errors);
-    else
-        sphv_series_errors(of, line, &errors);
-    for (int part = 0; part < (inside > 0 ? 2 : 1); part++) {
-        if (part == 1) weight *= inside;
-        to->count[part] += weight;
-        for (int q = 0; q < of->quantities; q++) {
-            to->square[part][q] += weight * gsl_pow_2(errors.value[q]);
-            to->bound[part][q] += weight * gsl_pow_2(errors.bound[q]);
+    sphv_theory_cut(theory, below, above);
+    if (!line[0]->singular) sphv_theory_take_derivatives(theory, line);
+    for (size_t m = 0; m < theory->count; m++) {
+        const sphv_method_theory *of = &theory->of[m];
+        if (!(of->shape.condition <= 1 / sqrt(DBL_EPSILON))) {
+            to[m].excluded += weight;
+            continue;
         }
+        if (line[0]->singular)
+            sphv_singular_errors(theory, of, line, x, &errors);
+        else
+            sphv_series_errors(theory, of, &errors);
+        add_errors(&errors, of->quantities, weight, inside, &to[m]);
     }
-    // In the interior or not: what the chance of it adds to the variance of sums.
-    for (int q = 0; q < of->quantities && inside > 0 && inside < 1; q++)
-        for (int n = 0; n < 3; n++)
-            to->margin[n][q] += weight * (1 - inside) * gsl_pow_int(errors.value[q], 2 * n);
 }
 
-static void add_all(sphv_box_theory *of, const sphv_lines lines[SPHV_DIMENSIONS], struct norms *to)
+static void add_all(sphv_box_theory *theory, const sphv_lines lines[SPHV_DIMENSIONS],
+                    struct norms *to)
 {
     const sphv_line *at[SPHV_DIMENSIONS] = {0};
     int counts[SPHV_DIMENSIONS] = {1, 1, 1};
-    double reach = of->h * of->profile->support, tail[SPHV_TAIL];
-    for (int i = 0; i < of->d; i++) counts[i] = lines[i].count;
-    of->rest_tail = 0;
+    double reach = theory->h * theory->profile->support, tail[SPHV_TAIL];
+    for (int i = 0; i < theory->d; i++) counts[i] = lines[i].count;
     for (int i = 0; i < counts[0]; i++) {
         at[0] = &lines[0].line[i];
-        if (at[0]->singular) {
-            sphv_theory_take_line(of, at[0]);
-            sphv_taylor_tail(of->field.field, true, 0, reach, tail);
-            of->rest_tail = tail[of->rest_degree];
-        } else {
-            sphv_taylor_tail(of->field.field, false, at[0]->x, reach, tail);
-            of->tail = tail[of->degree];
+        bool singular = at[0]->singular;
+        if (singular) sphv_theory_take_line(theory, at[0]);
+        sphv_taylor_tail(theory->field.field, singular, singular ? 0 : at[0]->x, reach, tail);
+        for (size_t m = 0; m < theory->count; m++) {
+            sphv_method_theory *of = &theory->of[m];
+            if (singular)
+                of->rest_tail = tail[of->rest_degree];
+            else
+                of->tail = tail[of->degree];
         }
         for (int j = 0; j < counts[1]; j++)
             for (int k = 0; k < counts[2]; k++) {
-                if (of->d > 1) at[1] = &lines[1].line[j];
-                if (of->d > 2) at[2] = &lines[2].line[k];
-                add_particle(of, at, to);
+                if (theory->d > 1) at[1] = &lines[1].line[j];
+                if (theory->d > 2) at[2] = &lines[2].line[k];
+                add_particle(theory, at, to);
             }
     }
 }
 
 /// Scaled derivatives of every term's factor at every line of one coordinate. \param out receives
 /// memory to be freed
-static bool take_factors(const sphv_box_theory *of, int coordinate, sphv_lines *lines, double **out)
+static bool take_factors(const sphv_box_theory *theory, int coordinate, sphv_lines *lines,
+                         double **out)
 {
-    const sphv_field *field = of->field.field;
-    int orders = of->degree + 1;
+    const sphv_field *field = theory->field.field;
+    int orders = theory->degree + 1;
     double *at = *out =
         calloc((size_t)lines->count * (size_t)field->terms * (size_t)orders, sizeof *at);
     if (!at) return false;
@@ -94,11 +108,11 @@ static bool take_factors(const sphv_box_theory *of, int coordinate, sphv_lines *
             alone.terms = 1;
             alone.term[0] = field->term[t];
             alone.term[0].coefficient = 1;
-            for (int i = 0; i < of->d; i++)
+            for (int i = 0; i < theory->d; i++)
                 if (i != coordinate)
                     alone.term[0].factor[i] = (sphv_factor){SPHV_FACTOR_POWER, 0, 0};
             x[coordinate] = line->x;
-            for (int n = 0; n < orders; n++, scale *= of->h) {
+            for (int n = 0; n < orders; n++, scale *= theory->h) {
                 int order[SPHV_DIMENSIONS] = {0};
                 order[coordinate] = n;
                 at[n] = scale * sphv_field_derivative(&alone, order, x);
@@ -109,34 +123,34 @@ static bool take_factors(const sphv_box_theory *of, int coordinate, sphv_lines *
 }
 
 /// Sums over the box with panels of `order` nodes.
-static sphv_status sum_box(sphv_box_theory *of, const sphv_box *box, int order, struct norms *to,
-                           bool *exhaustive, sphv_error *error)
+static sphv_status sum_box(sphv_box_theory *theory, const sphv_box *box, int order,
+                           struct norms *to, bool *exhaustive, sphv_error *error)
 {
     sphv_lines lines[SPHV_DIMENSIONS] = {{0}};
     double *factors[SPHV_DIMENSIONS] = {0};
     sphv_status status = SPHV_OK;
-    *to = (struct norms){0};
+    memset(to, 0, theory->count * sizeof *to);
     *exhaustive = true;
-    for (int i = 0; i < of->d && status == SPHV_OK; i++) {
+    for (int i = 0; i < theory->d && status == SPHV_OK; i++) {
         sphv_side side = {.count = box->side,
                           .spacing = sphv_box_spacing(box),
                           .offset = box->placement == SPHV_PLACEMENT_CELL ? 0.5 : 0,
-                          .reach = of->octants->reach,
+                          .reach = theory->octants->reach,
                           .periodic = box->periodic,
-                          .margin = of->h * of->profile->support,
+                          .margin = theory->h * theory->profile->support,
                           .amplitude = box->amplitude,
                           .jitter = box->jitter,
                           .singular_until = -1};
-        if (i == 0 && of->field.singular) side.singular_until = 2 * side.margin;
+        if (i == 0 && theory->field.singular) side.singular_until = 2 * side.margin;
         // On panels that double in length rules converge like 5.8^(−2 order).
         status = sphv_lines_make(&side, side.singular_until > 0 ? order / 2 : order, order,
                                  &lines[i], error);
-        if (status == SPHV_OK && !take_factors(of, i, &lines[i], &factors[i]))
+        if (status == SPHV_OK && !take_factors(theory, i, &lines[i], &factors[i]))
             status =
                 sphv_fail(error, SPHV_RESOURCE_FAILURE, "not enough memory for a box's theory");
         *exhaustive = *exhaustive && lines[i].exhaustive;
     }
-    if (status == SPHV_OK) add_all(of, lines, to);
+    if (status == SPHV_OK) add_all(theory, lines, to);
     for (int i = 0; i < SPHV_DIMENSIONS; i++) {
         free(factors[i]);
         sphv_lines_free(&lines[i]);
@@ -191,14 +205,31 @@ static sphv_status check(const sphv_box *box, const sphv_profile *profile, doubl
 }
 
 /// The lowest degree of a series whose remainder is beyond rounding, or the highest there is.
-static int choose_degree(const sphv_box_theory *of)
+static int choose_degree(const sphv_box_theory *theory, sphv_method method)
 {
-    double tail[SPHV_TAIL], reach = of->h * of->profile->support;
-    int last = SPHV_MONOMIAL_DEGREE_MAX - sphv_shape_degree(of->method), degree = 4;
-    sphv_taylor_tail(of->field.field, false, of->field.singular ? 2 * reach : 1, reach, tail);
-    double least = 1e-14 * gsl_pow_int(fmin(1, of->h), 2) * (tail[0] + 1e-300);
+    double tail[SPHV_TAIL], reach = theory->h * theory->profile->support;
+    int last = SPHV_MONOMIAL_DEGREE_MAX - sphv_shape_degree(method), degree = 4;
+    sphv_taylor_tail(theory->field.field, false, theory->field.singular ? 2 * reach : 1, reach,
+                     tail);
+    double least = 1e-14 * gsl_pow_int(fmin(1, theory->h), 2) * (tail[0] + 1e-300);
     while (degree < last && tail[degree] > least) degree++;
     return degree;
+}
+
+/// Adds a method. \return the degree of the moments that it needs
+static int add_method(sphv_box_theory *theory, sphv_method method)
+{
+    sphv_method_theory *of = &theory->of[theory->count++];
+    int shape_degree = sphv_shape_degree(method);
+    *of = (sphv_method_theory){.method = method,
+                               .quantities = (int)sphv_method_quantities(method, theory->d),
+                               .degree = choose_degree(theory, method)};
+    if (theory->field.singular) of->rest_degree = (int)fmin(theory->field.rest_degree, of->degree);
+    theory->degree = (int)fmax(theory->degree, of->degree);
+    theory->rest_degree = (int)fmax(theory->rest_degree, of->rest_degree);
+    theory->shape_degree = (int)fmax(theory->shape_degree, shape_degree);
+    theory->second = theory->second || method == SPHV_MSPH;
+    return of->degree + shape_degree;
 }
 
 static void finish(const struct norms *fine, const struct norms *coarse, int part, int quantity,
@@ -223,28 +254,88 @@ static double margin_scatter(const struct norms *from, int quantity, double norm
     return sqrt(fmax(0, sum)) / from->count[1] / (2 * norm);
 }
 
-static sphv_status predict(sphv_box_theory *of, const sphv_box *box, sphv_box_prediction *out,
-                           sphv_error *error)
+static void conclude(const sphv_method_theory *of, bool narrow, const struct norms *fine,
+                     const struct norms *coarse, sphv_box_prediction *out)
 {
-    struct norms fine = {0}, coarse = {0};
-    bool exhaustive = true;
-    sphv_status status = sphv_theory_start(of, error);
-    if (status == SPHV_OK) status = sum_box(of, box, SPHV_SUM_RULE, &fine, &exhaustive, error);
-    if (status == SPHV_OK && exhaustive) coarse = fine;
-    if (status == SPHV_OK && !exhaustive)
-        status = sum_box(of, box, 3 * SPHV_SUM_RULE / 4, &coarse, &exhaustive, error);
-    sphv_theory_end(of);
-    if (status != SPHV_OK) return status;
     out->quantities = (size_t)of->quantities;
-    out->excluded = fine.excluded;
+    out->excluded = fine->excluded;
     for (int q = 0; q < of->quantities; q++) {
-        finish(&fine, &coarse, 0, q, &out->rmse[q]);
-        finish(&fine, &coarse, 1, q, &out->interior[q]);
-        out->exists[q] = fine.count[0] > 0 && isfinite(out->rmse[q].value);
-        out->interior_scatter[q] = margin_scatter(&fine, q, out->interior[q].value);
+        finish(fine, coarse, 0, q, &out->rmse[q]);
+        finish(fine, coarse, 1, q, &out->interior[q]);
+        out->exists[q] = fine->count[0] > 0 && isfinite(out->rmse[q].value);
+        out->interior_scatter[q] = margin_scatter(fine, q, out->interior[q].value);
     }
-    out->rigour = of->field.narrow ? SPHV_RIGOUR_ASYMPTOTIC : SPHV_RIGOUR_EXACT;
-    return SPHV_OK;
+    out->rigour = narrow ? SPHV_RIGOUR_ASYMPTOTIC : SPHV_RIGOUR_EXACT;
+}
+
+static sphv_status predict(sphv_box_theory *theory, const sphv_box *box,
+                           sphv_box_prediction *const *out, sphv_error *error)
+{
+    bool exhaustive = true;
+    struct norms *fine = calloc(2 * theory->count, sizeof *fine), *coarse = fine;
+    sphv_status status = sphv_theory_start(theory, error);
+    if (!fine) status = sphv_fail(error, SPHV_RESOURCE_FAILURE, "not enough memory for norms");
+    if (status == SPHV_OK) status = sum_box(theory, box, SPHV_SUM_RULE, fine, &exhaustive, error);
+    if (status == SPHV_OK && !exhaustive) {
+        coarse = fine + theory->count;
+        status = sum_box(theory, box, 3 * SPHV_SUM_RULE / 4, coarse, &exhaustive, error);
+    }
+    for (size_t m = 0; m < theory->count && status == SPHV_OK; m++)
+        conclude(&theory->of[m], theory->field.narrow, &fine[m], &coarse[m], out[m]);
+    sphv_theory_end(theory);
+    free(fine);
+    return status;
+}
+
+/// Predictions of methods that have a theory, from the moments they share.
+static sphv_status predict_group(sphv_box_theory *theory, const sphv_box *box,
+                                 sphv_moment_source source, int degree,
+                                 sphv_box_prediction *const *out, sphv_error *error)
+{
+    sphv_octants octants;
+    int nodes = source == SPHV_MOMENTS_CONTINUUM ? 4 : 1;
+    sphv_status status = sphv_octants_make(theory->profile, sphv_box_spacing(box) / theory->h,
+                                           nodes, degree, &octants, error);
+    if (status != SPHV_OK) return status;
+    theory->octants = &octants;
+    status = predict(theory, box, out, error);
+    theory->octants = NULL;
+    sphv_octants_free(&octants);
+    return status;
+}
+
+static sphv_status predict_methods(const sphv_box *box, const sphv_profile *profile, double h,
+                                   size_t count, const sphv_method *methods,
+                                   const sphv_field *field, sphv_moment_source source,
+                                   sphv_box_prediction *out, sphv_error *error)
+{
+    sphv_box_theory theory = {
+        .profile = profile, .d = box->dimension, .h = h, .volume = volume_ratio(box)};
+    sphv_box_prediction *to[SPHV_BOX_METHODS_MAX];
+    sphv_jitter_group *jitter = NULL;
+    int degree = 0;
+    sphv_status status = sphv_field_theory_make(field, &theory.field, error), last = SPHV_OK;
+    if (status == SPHV_OK && box->amplitude > 0 && !(jitter = malloc(sizeof *jitter)))
+        status = sphv_fail(error, SPHV_RESOURCE_FAILURE, "not enough memory for a box's theory");
+    if (status != SPHV_OK) return status;
+    if (jitter)
+        sphv_jitter_start(box, profile, h, theory.volume, source == SPHV_MOMENTS_EVERY, field,
+                          jitter);
+    for (size_t m = 0; m < count; m++) {
+        if (jitter && (last = sphv_jitter_add(jitter, methods[m], error)) != SPHV_OK) continue;
+        to[theory.count] = &out[m];
+        degree = (int)fmax(degree, add_method(&theory, methods[m]));
+    }
+    if (theory.count == 0)
+        status = last;
+    else if (jitter && !jitter->cloud.wide)
+        status = sphv_predict_jitter(jitter, &theory.field, to, error);
+    else
+        status = predict_group(&theory, box, source, degree, to, error);
+    if (status == SPHV_OK && jitter && jitter->cloud.wide && theory.count > 0)
+        status = sphv_widen_jitter(jitter, to, error);
+    free(jitter);
+    return status;
 }
 
 sphv_status sphv_predict_box_from(const sphv_box *box, const sphv_profile *profile, double h,
@@ -255,35 +346,7 @@ sphv_status sphv_predict_box_from(const sphv_box *box, const sphv_profile *profi
     *out = (sphv_box_prediction){0};
     sphv_status status = check(box, profile, h, method, field, error);
     if (status != SPHV_OK) return status;
-    sphv_octants octants;
-    sphv_box_theory of = {.profile = profile,
-                          .octants = &octants,
-                          .method = method,
-                          .d = box->dimension,
-                          .quantities = (int)sphv_method_quantities(method, box->dimension),
-                          .h = h,
-                          .volume = volume_ratio(box)};
-    status = sphv_field_theory_make(field, &of.field, error);
-    sphv_jitter_sums jitter;
-    if (status == SPHV_OK && box->amplitude > 0)
-        status = sphv_jitter_start(box, profile, h, of.volume, source == SPHV_MOMENTS_EVERY, method,
-                                   field, &jitter, error);
-    if (status != SPHV_OK) return status;
-    if (box->amplitude > 0 && !jitter.wide)
-        return sphv_predict_jitter(&jitter, &of.field, out, error);
-    of.degree = choose_degree(&of);
-    int degree = of.degree + sphv_shape_degree(method);
-    if (of.field.singular) {
-        of.rest_degree = (int)fmin(of.field.rest_degree, of.degree);
-        degree = (int)fmax(degree, of.rest_degree + sphv_shape_degree(method));
-    }
-    status = sphv_octants_make(profile, sphv_box_spacing(box) / h,
-                               source == SPHV_MOMENTS_CONTINUUM ? 4 : 1, degree, &octants, error);
-    if (status != SPHV_OK) return status;
-    status = predict(&of, box, out, error);
-    sphv_octants_free(&octants);
-    if (status == SPHV_OK && box->amplitude > 0) status = sphv_widen_jitter(&jitter, out, error);
-    return status;
+    return predict_methods(box, profile, h, 1, &method, field, source, out, error);
 }
 
 sphv_status sphv_predict_box(const sphv_box *box, const sphv_profile *profile, double h,
@@ -291,4 +354,29 @@ sphv_status sphv_predict_box(const sphv_box *box, const sphv_profile *profile, d
                              sphv_error *error)
 {
     return sphv_predict_box_from(box, profile, h, method, field, SPHV_MOMENTS_LATTICE, out, error);
+}
+
+sphv_status sphv_predict_box_methods(const sphv_box *box, const sphv_profile *profile, double h,
+                                     size_t count, const sphv_method *methods,
+                                     const sphv_field *field, sphv_box_prediction *out,
+                                     sphv_error *error)
+{
+    sphv_status status = SPHV_OK;
+    if (count > SPHV_BOX_METHODS_MAX)
+        return sphv_fail(error, SPHV_INVALID_INPUT, "%zu methods at once; allowed: %d", count,
+                         SPHV_BOX_METHODS_MAX);
+    for (size_t m = 0; m < count; m++) out[m] = (sphv_box_prediction){0};
+    for (size_t m = 0; m < count && status == SPHV_OK; m++)
+        status = check(box, profile, h, methods[m], field, error);
+    if (status == SPHV_OK)
+        status = predict_methods(box, profile, h, count, methods, field, SPHV_MOMENTS_LATTICE, out,
+                                 error);
+    // Together they may need moments of so high a degree that there are too many.
+    for (size_t m = 0; m < count && count > 1 && status == SPHV_NO_CLOSED_FORM; m++) {
+        sphv_status one = sphv_predict_box(box, profile, h, methods[m], field, &out[m], error);
+        if (one == SPHV_OK) continue;
+        out[m] = (sphv_box_prediction){0};
+        if (one != SPHV_NO_CLOSED_FORM) return one;
+    }
+    return status == SPHV_NO_CLOSED_FORM ? SPHV_OK : status;
 }

@@ -14,86 +14,74 @@ enum { N = SPHV_QUANTITIES_MAX, NODES = SPHV_JITTER_NODES };
 /// Largest variance of B⁻¹δB that is small: beyond, the series of (B + δB)⁻¹ is of no use.
 static const double matrix_variance_max = 0.1;
 
-const sphv_displacement *sphv_jitter_at(const sphv_jitter_sums *of, double x)
-{
-    double near = 1e-6 * sphv_box_spacing(of->box);
-    if (!of->box->reflected) return &of->free;
-    return fabs(x) < near ? &of->low : fabs(1 - x) < near ? &of->high : &of->free;
-}
-
 static double field_at(const sphv_jitter_sums *of, const double *x)
 {
-    return sphv_field_derivative(of->field, (int[SPHV_DIMENSIONS]){0}, x);
+    return sphv_field_derivative(of->cloud->field, (int[SPHV_DIMENSIONS]){0}, x);
 }
 
-/// p_k(|s|) and the monomials of s.
-static bool basis(const sphv_jitter_sums *of, const double *s, double p[SPHV_RADIALS],
-                  double *monomial, size_t count)
+static void take_parts(const sphv_jitter_sums *of, const sphv_shape *shape, sphv_jitter_parts *out)
 {
-    double square = 0, power[SPHV_DIMENSIONS][SPHV_SHAPE_DEGREE + 3];
-    for (int i = 0; i < of->d; i++) square += s[i] * s[i];
-    double q = sqrt(square);
-    if (q >= of->profile->support) return false;
-    sphv_radial_functions(of->profile, q, p);
-    if (q > 0) p[2] /= square;
-    for (int i = 0; i < SPHV_DIMENSIONS; i++) {
-        power[i][0] = 1;
-        for (int n = 1; n < SPHV_SHAPE_DEGREE + 3; n++)
-            power[i][n] = i < of->d ? power[i][n - 1] * s[i] : 0;
-    }
-    const sphv_monomial *table = sphv_monomials(of->d);
-    for (size_t m = 0; m < count; m++)
-        monomial[m] =
-            power[0][table[m].power[0]] * power[1][table[m].power[1]] * power[2][table[m].power[2]];
-    return true;
+    out->count = 0;
+    for (int k = 0; k < SPHV_RADIALS; k++)
+        for (size_t m = 0; m < of->terms; m++) {
+            bool some = false;
+            for (size_t q = 0; q < of->quantities; q++) {
+                out->weight[out->count][q] = shape->weight[q][k][m];
+                some = some || shape->weight[q][k][m] != 0;
+            }
+            out->radial[out->count] = k;
+            out->monomial[out->count] = m;
+            if (some) out->count++;
+        }
 }
 
-/// The shape functions from what `basis` gave.
-static void shape_functions(const sphv_jitter_sums *of, const sphv_shape *shape,
-                            const double p[SPHV_RADIALS], const double *monomial, double *out)
+static void shape_functions(const sphv_jitter_sums *of, const sphv_jitter_parts *parts,
+                            const sphv_jitter_slot *at, double *out)
 {
-    for (size_t q = 0; q < of->quantities; q++) {
-        out[q] = 0;
-        for (int k = 0; k < SPHV_RADIALS; k++)
-            for (size_t m = 0; m < of->terms; m++)
-                out[q] += shape->weight[q][k][m] * p[k] * monomial[m];
+    for (size_t q = 0; q < of->quantities; q++) out[q] = 0;
+    for (int i = 0; i < parts->count; i++) {
+        double radial = at->p[parts->radial[i]], monomial = at->monomial[parts->monomial[i]];
+        for (size_t q = 0; q < of->quantities; q++)
+            out[q] += parts->weight[i][q] * radial * monomial;
     }
 }
 
 /// Shape functions and estimates of the particle displaced by `at` Δx along a coordinate while its
 /// neighbours stay. False without a regular moment matrix.
 static bool evaluate(const sphv_jitter_sums *of, int coordinate, double at, sphv_shape *shape,
-                     double *estimate, double *own)
+                     sphv_jitter_parts *parts, double *estimate, double *own)
 {
     enum { MOMENTS = 56 }; // of degree 5 in three dimensions
-    double moment[SPHV_RADIALS][MOMENTS] = {{0}}, p[SPHV_RADIALS], monomial[MOMENTS], chi[N];
+    double moment[SPHV_RADIALS][MOMENTS] = {{0}}, chi[N];
     const double *const moments[SPHV_RADIALS] = {moment[0], moment[1], moment[2]};
-    size_t count = sphv_monomial_count(of->d, 2 * of->degree);
-    double x[SPHV_DIMENSIONS] = {of->x[0], of->x[1], of->x[2]};
-    x[coordinate] += at * sphv_box_spacing(of->box);
+    const sphv_jitter_cloud *cloud = of->cloud;
+    const sphv_jitter_neighbour *b, *last = cloud->neighbour + cloud->count;
+    const sphv_jitter_move by = {.coordinate = coordinate, .along = -at};
+    sphv_jitter_slot self, scratch;
+    const sphv_jitter_slot *slot;
+    size_t count = sphv_monomial_count(cloud->d, 2 * of->degree);
+    int radials = of->method == SPHV_MSPH ? SPHV_RADIALS : SPHV_RADIALS - 1;
+    double x[SPHV_DIMENSIONS] = {cloud->x[0], cloud->x[1], cloud->x[2]};
+    x[coordinate] += at * cloud->dx;
     *own = field_at(of, x);
-    for (int pass = 0; pass < 2; pass++) {
-        for (size_t b = 0; b <= of->count; b++) { // the particle itself comes last
-            double s[SPHV_DIMENSIONS] = {0}, v = of->v;
-            if (b < of->count) {
-                memcpy(s, of->neighbour[b].s, sizeof s);
-                s[coordinate] -= at * of->ds;
-                v *= of->neighbour[b].weight;
-            }
-            if (!basis(of, s, p, monomial, pass ? of->terms : count)) continue;
-            if (pass) {
-                double value = b < of->count ? of->neighbour[b].value : *own;
-                shape_functions(of, shape, p, monomial, chi);
-                for (size_t q = 0; q < of->quantities; q++) estimate[q] += v * value * chi[q];
-            } else {
-                for (int k = 0; k < SPHV_RADIALS; k++)
-                    for (size_t m = 0; m < count; m++) moment[k][m] += v * p[k] * monomial[m];
-            }
-        }
-        if (pass) break;
-        sphv_shape_make(of->method, of->d, moments, shape);
-        if (!(shape->condition <= 1 / sqrt(DBL_EPSILON))) return false;
-        for (size_t q = 0; q < of->quantities; q++) estimate[q] = -shape->self[q] * *own;
+    sphv_jitter_self(cloud, &self);
+    for (b = cloud->neighbour; b <= last; b++) { // the particle itself comes last
+        slot = b < last ? sphv_jitter_look(cloud, b, by, false, &scratch) : &self;
+        if (!slot->inside) continue;
+        double v = b < last ? cloud->v * b->weight : cloud->v;
+        for (int k = 0; k < radials; k++)
+            for (size_t m = 0; m < count; m++) moment[k][m] += v * slot->p[k] * slot->monomial[m];
+    }
+    sphv_shape_make(of->method, cloud->d, moments, shape);
+    if (!(shape->condition <= 1 / sqrt(DBL_EPSILON))) return false;
+    take_parts(of, shape, parts);
+    for (size_t q = 0; q < of->quantities; q++) estimate[q] = -shape->self[q] * *own;
+    for (b = cloud->neighbour; b <= last; b++) {
+        slot = b < last ? sphv_jitter_look(cloud, b, by, false, &scratch) : &self;
+        if (!slot->inside) continue;
+        double value = b < last ? cloud->v * b->weight * b->value : cloud->v * *own;
+        shape_functions(of, parts, slot, chi);
+        for (size_t q = 0; q < of->quantities; q++) estimate[q] += value * chi[q];
     }
     return true;
 }
@@ -122,31 +110,35 @@ static void unknowns_of(const sphv_jitter_sums *of, size_t quantity, size_t *fir
 
 /// With u = B⁻¹F the solution, δu = B⁻¹(δF − δB u): v times the shape function times what the
 /// fitted polynomial leaves of the field. \param matrix receives δB's part, [quantity][unknown]
-static bool response(const sphv_jitter_sums *of, const double *s, double value, double *out,
-                     double matrix[N][N])
+static bool response(const sphv_jitter_sums *of, const sphv_jitter_neighbour *b,
+                     sphv_jitter_move by, double *out, double matrix[N][N])
 {
-    double p[SPHV_RADIALS], monomial[SPHV_SHAPE_TERMS], chi[N];
-    const sphv_monomial *table = sphv_monomials(of->d);
-    memset(out, 0, N * sizeof *out);
-    memset(matrix, 0, N * sizeof *matrix);
-    size_t needed = of->terms > of->quantities ? of->terms : of->quantities;
-    if (!basis(of, s, p, monomial, needed)) return false;
-    shape_functions(of, &of->shape, p, monomial, chi);
+    double chi[N];
+    sphv_jitter_slot scratch;
+    const sphv_jitter_slot *slot = sphv_jitter_look(of->cloud, b, by, true, &scratch);
+    const sphv_monomial *table = sphv_monomials(of->cloud->d);
+    const double *monomial = slot->monomial;
+    for (size_t q = 0; q < of->quantities; q++) {
+        out[q] = 0;
+        memset(matrix[q], 0, of->quantities * sizeof *matrix[q]);
+    }
+    if (!slot->inside) return false;
+    shape_functions(of, &of->parts, slot, chi);
     bool quotient = of->method == SPHV_SHEPARD || of->method == SPHV_RKPM_0;
     bool differences = of->method == SPHV_CSPM || of->method == SPHV_SPH_DIFFERENCE;
     for (size_t q = 0; q < of->quantities; q++) {
         size_t first, last;
-        double left = value;
+        double left = slot->value;
         unknowns_of(of, q, &first, &last);
         for (size_t g = first; g < last; g++) {
-            matrix[q][g] = of->v * chi[q] * monomial[g] / table[g].factorial;
+            matrix[q][g] = of->cloud->v * chi[q] * monomial[g] / table[g].factorial;
             left -= of->estimate[g] * monomial[g] / table[g].factorial;
         }
         if (differences && q > 0) left -= of->own;
         // The derivative of a quotient: both of its sums change.
         if (quotient && q > 0) left -= of->estimate[0];
-        out[q] = of->v * chi[q] * left;
-        if (quotient && q > 0) out[q] -= of->v * chi[0] * of->estimate[q];
+        out[q] = of->cloud->v * chi[q] * left;
+        if (quotient && q > 0) out[q] -= of->cloud->v * chi[0] * of->estimate[q];
     }
     return true;
 }
@@ -162,20 +154,6 @@ static void add_effect(const sphv_displacement *moved, size_t q, double effect[N
         to->variance[q] += moved->weight[m] * gsl_pow_2(effect[m][q] - mean);
 }
 
-/// A neighbour's response displaced in one or two coordinates, in Δx.
-static void respond(const sphv_jitter_sums *of, const sphv_jitter_neighbour *b, int i, double along,
-                    int j, double across, double *out, double matrix[N][N])
-{
-    double s[SPHV_DIMENSIONS], x[SPHV_DIMENSIONS], move[SPHV_DIMENSIONS] = {0};
-    move[j] = across;
-    move[i] = along;
-    for (int c = 0; c < SPHV_DIMENSIONS; c++) {
-        s[c] = b->s[c] + move[c] * of->ds;
-        x[c] = b->x[c] + move[c] * sphv_box_spacing(of->box);
-    }
-    response(of, s, field_at(of, x), out, matrix);
-}
-
 /// The main effects of a neighbour's coordinate at the nodes of its displacement.
 static void find_main(const sphv_jitter_sums *of, const sphv_jitter_neighbour *b, int i,
                       const double *base, double base_matrix[N][N], double effect[NODES][N],
@@ -187,7 +165,7 @@ static void find_main(const sphv_jitter_sums *of, const sphv_jitter_neighbour *b
         double change[N];
         memset(effect[m], 0, sizeof effect[m]);
         if (moved->at[m] == 0) continue;
-        respond(of, b, i, moved->at[m], i, 0, effect[m], matrix);
+        response(of, b, (sphv_jitter_move){i, moved->at[m], 0, 0}, effect[m], matrix);
         for (size_t q = 0; q < of->quantities; q++) change[q] = effect[m][q] - base[q];
         for (size_t q = 0; q < of->quantities; q++) {
             effect[m][q] = change[q];
@@ -209,8 +187,9 @@ static void add_along(const sphv_jitter_sums *of, const sphv_jitter_neighbour *b
                       double variance, const double effect[NODES][N], double third[N],
                       sphv_jitter_effect *to)
 {
-    double far[2][N], matrix[N][N], q = of->free.at[2];
-    for (int m = 0; m < 2; m++) respond(of, b, i, m ? 2 * q : -2 * q, i, 0, far[m], matrix);
+    double far[2][N], matrix[N][N], q = of->cloud->free.at[2];
+    for (int m = 0; m < 2; m++)
+        response(of, b, (sphv_jitter_move){i, m ? 2 * q : -2 * q, 0, 0}, far[m], matrix);
     for (size_t n = 0; n < of->quantities; n++) {
         double curvature = (effect[0][n] + effect[2][n]) / (q * q);
         double interaction = gsl_pow_2(variance * curvature);
@@ -225,10 +204,10 @@ static void add_across(const sphv_jitter_sums *of, const sphv_jitter_neighbour *
                        double variance, double effect[SPHV_DIMENSIONS][NODES][N],
                        double third[SPHV_DIMENSIONS][N], const double *base, sphv_jitter_effect *to)
 {
-    double corner[2][2][N], matrix[N][N], q = of->free.at[2], cube = q * q * q;
+    double corner[2][2][N], matrix[N][N], q = of->cloud->free.at[2], cube = q * q * q;
     for (int m = 0; m < 2; m++)
         for (int n = 0; n < 2; n++)
-            respond(of, b, i, m ? q : -q, j, n ? q : -q, corner[m][n], matrix);
+            response(of, b, (sphv_jitter_move){i, m ? q : -q, j, n ? q : -q}, corner[m][n], matrix);
     for (size_t k = 0; k < of->quantities; k++) {
         double low = corner[0][0][k] - base[k], up = corner[0][1][k] - base[k];
         double right = corner[1][0][k] - base[k], both = corner[1][1][k] - base[k];
@@ -249,25 +228,25 @@ static void find_neighbour(const sphv_jitter_sums *of, const sphv_jitter_neighbo
 {
     double base[N], base_matrix[N][N], effect[SPHV_DIMENSIONS][NODES][N];
     double third[SPHV_DIMENSIONS][N] = {{0}};
-    double variance = 2 * of->free.weight[2] * gsl_pow_2(of->free.at[2]);
+    double variance = 2 * of->cloud->free.weight[2] * gsl_pow_2(of->cloud->free.at[2]);
     // Where the next order is not found, or not worth it, its size follows from curvatures.
-    bool rough = of->wide;
-    response(of, b->s, b->value, base, base_matrix);
-    for (int i = 0; i < of->d; i++) {
+    bool rough = of->cloud->wide;
+    response(of, b, (sphv_jitter_move){0, 0, 0, 0}, base, base_matrix);
+    for (int i = 0; i < of->cloud->d; i++) {
         find_main(of, b, i, base, base_matrix, effect[i], to);
-        rough = rough || b->moved[i] != &of->free;
+        rough = rough || b->moved[i] != &of->cloud->free;
     }
-    for (int i = 0; i < of->d && !rough; i++) {
+    for (int i = 0; i < of->cloud->d && !rough; i++) {
         add_along(of, b, i, variance, (const double(*)[N])effect[i], third[i], to);
         for (int j = 0; j < i; j++) add_across(of, b, i, j, variance, effect, third, base, to);
     }
-    for (int i = 0; i < of->d; i++)
+    for (int i = 0; i < of->cloud->d; i++)
         for (size_t q = 0; q < of->quantities; q++) {
             double before = to->variance[q], mean = to->mean[q];
             add_effect(b->moved[i], q, effect[i], to);
             if (rough) {
                 double even = to->mean[q] - mean - effect[i][1][q];
-                to->next[q] += 4 * (1 + 1.5 * (of->d - 1)) * even * even;
+                to->next[q] += 4 * (1 + 1.5 * (of->cloud->d - 1)) * even * even;
                 continue;
             }
             double plain = to->variance[q] - before;
@@ -300,19 +279,26 @@ static void add_neighbour(const sphv_jitter_sums *of, const sphv_jitter_neighbou
 /// error by a few tens of roundings times the condition number, and all may add up.
 static void find_rounding(const sphv_jitter_sums *of, const double *scale, sphv_jitter_effect *to)
 {
-    double p[SPHV_RADIALS], monomial[SPHV_SHAPE_TERMS], chi[N];
-    double relative = 32 * DBL_EPSILON * ((double)of->count + 1) * fmax(1, of->shape.condition);
-    const sphv_monomial *table = sphv_monomials(of->d);
+    double chi[N];
+    sphv_jitter_slot self, scratch;
+    double relative =
+        32 * DBL_EPSILON * ((double)of->cloud->count + 1) * fmax(1, of->shape.condition);
+    const sphv_monomial *table = sphv_monomials(of->cloud->d);
     for (size_t q = 0; q < of->quantities; q++)
-        to->rounding[q] = fabs(of->shape.self[q] * of->own) +
-                          scale[q] * fabs(sphv_field_derivative(of->field, table[q].power, of->x));
-    for (size_t b = 0; b <= of->count; b++) { // the particle itself comes last
-        static const double origin[SPHV_DIMENSIONS] = {0};
-        double value = b < of->count ? of->neighbour[b].value : of->own;
-        double v = b < of->count ? of->v * fabs(of->neighbour[b].weight) : of->v;
-        if (!basis(of, b < of->count ? of->neighbour[b].s : origin, p, monomial, of->terms))
-            continue;
-        shape_functions(of, &of->shape, p, monomial, chi);
+        to->rounding[q] =
+            fabs(of->shape.self[q] * of->own) +
+            scale[q] * fabs(sphv_field_derivative(of->cloud->field, table[q].power, of->cloud->x));
+    sphv_jitter_self(of->cloud, &self);
+    for (size_t n = 0; n <= of->cloud->count; n++) { // the particle itself comes last
+        const sphv_jitter_neighbour *b = &of->cloud->neighbour[n];
+        bool other = n < of->cloud->count;
+        const sphv_jitter_slot *slot =
+            other ? sphv_jitter_look(of->cloud, b, (sphv_jitter_move){0, 0, 0, 0}, false, &scratch)
+                  : &self;
+        if (!slot->inside) continue;
+        double value = other ? b->value : of->own;
+        double v = other ? of->cloud->v * fabs(b->weight) : of->cloud->v;
+        shape_functions(of, &of->parts, slot, chi);
         for (size_t q = 0; q < of->quantities; q++)
             to->rounding[q] += v * fabs(chi[q]) * fmax(fabs(value), fabs(of->own));
     }
@@ -321,42 +307,45 @@ static void find_rounding(const sphv_jitter_sums *of, const double *scale, sphv_
 
 bool sphv_jitter_error(sphv_jitter_sums *of, double *out)
 {
-    const sphv_monomial *table = sphv_monomials(of->d);
-    if (!evaluate(of, 0, 0, &of->shape, of->estimate, &of->own)) return false;
+    const sphv_monomial *table = sphv_monomials(of->cloud->d);
+    if (!evaluate(of, 0, 0, &of->shape, &of->parts, of->estimate, &of->own)) return false;
     for (size_t q = 0; q < of->quantities; q++)
-        out[q] = of->estimate[q] - gsl_pow_int(of->h, table[q].degree) *
-                                       sphv_field_derivative(of->field, table[q].power, of->x);
+        out[q] = of->estimate[q] -
+                 gsl_pow_int(of->cloud->h, table[q].degree) *
+                     sphv_field_derivative(of->cloud->field, table[q].power, of->cloud->x);
     return true;
 }
 
 bool sphv_jitter_effects(sphv_jitter_sums *of, sphv_jitter_effect *to)
 {
     double at_lattice[N], scale[N], own, effect[NODES][N];
-    const sphv_monomial *table = sphv_monomials(of->d);
+    const sphv_monomial *table = sphv_monomials(of->cloud->d);
     *to = (sphv_jitter_effect){0};
     if (!sphv_jitter_error(of, at_lattice)) return false;
     for (size_t q = 0; q < of->quantities; q++) {
-        scale[q] = gsl_pow_int(of->h, table[q].degree);
+        scale[q] = gsl_pow_int(of->cloud->h, table[q].degree);
         to->mean[q] = at_lattice[q];
     }
     find_rounding(of, scale, to);
-    for (int i = 0; i < of->d; i++) {
-        const sphv_displacement *moved = of->moved[i];
+    for (int i = 0; i < of->cloud->d; i++) {
+        const sphv_displacement *moved = of->cloud->moved[i];
         for (int m = 0; m < NODES; m++) {
             sphv_shape shape;
-            double x[SPHV_DIMENSIONS] = {of->x[0], of->x[1], of->x[2]};
+            sphv_jitter_parts parts;
+            double x[SPHV_DIMENSIONS] = {of->cloud->x[0], of->cloud->x[1], of->cloud->x[2]};
             memset(effect[m], 0, sizeof effect[m]);
             if (moved->at[m] == 0) continue;
-            if (!evaluate(of, i, moved->at[m], &shape, effect[m], &own)) return false;
-            x[i] += moved->at[m] * sphv_box_spacing(of->box);
+            if (!evaluate(of, i, moved->at[m], &shape, &parts, effect[m], &own)) return false;
+            x[i] += moved->at[m] * of->cloud->dx;
             for (size_t q = 0; q < of->quantities; q++)
                 effect[m][q] -=
-                    scale[q] * sphv_field_derivative(of->field, table[q].power, x) + at_lattice[q];
+                    scale[q] * sphv_field_derivative(of->cloud->field, table[q].power, x) +
+                    at_lattice[q];
         }
         for (size_t q = 0; q < of->quantities; q++) add_effect(moved, q, effect, to);
     }
     memcpy(to->own, to->variance, sizeof to->own);
-    for (size_t b = 0; b < of->count; b++) add_neighbour(of, &of->neighbour[b], to);
+    for (size_t b = 0; b < of->cloud->count; b++) add_neighbour(of, &of->cloud->neighbour[b], to);
     // B⁻¹δB upon the noise: its mean, and that of one particle upon the noise of another.
     double noise[N], largest = 0;
     memcpy(noise, to->variance, sizeof noise);
@@ -371,42 +360,4 @@ bool sphv_jitter_effects(sphv_jitter_sums *of, sphv_jitter_effect *to)
         }
     }
     return sqrt(largest) <= matrix_variance_max;
-}
-
-void sphv_jitter_neighbours(sphv_jitter_sums *of, const sphv_line *const *line)
-{
-    int offset[SPHV_DIMENSIONS] = {0};
-    double dx = sphv_box_spacing(of->box);
-    // Those that a perturbation may bring into the support belong to it.
-    double reach = of->profile->support + 4 * of->box->amplitude * of->ds;
-    for (int i = 0; i < of->d; i++) {
-        of->moved[i] = sphv_jitter_at(of, line[i]->x);
-        of->x[i] = line[i]->x + of->moved[i]->mean * dx;
-        offset[i] = -line[i]->below;
-    }
-    of->count = 0;
-    for (;;) {
-        sphv_jitter_neighbour *b = &of->neighbour[of->count];
-        double square = 0;
-        *b = (sphv_jitter_neighbour){.weight = 1};
-        for (int i = 0; i < of->d; i++) {
-            double x = line[i]->x + offset[i] * dx;
-            // Exactly on the side, or a power of x may be that of a negative number.
-            if (fabs(x) < 1e-6 * dx) x = 0;
-            b->moved[i] = sphv_jitter_at(of, x);
-            b->x[i] = x + b->moved[i]->mean * dx;
-            b->s[i] = (offset[i] + b->moved[i]->mean - of->moved[i]->mean) * of->ds;
-            square += b->s[i] * b->s[i];
-        }
-        if (square > 0 && square < reach * reach) {
-            b->value = field_at(of, b->x);
-            of->count++;
-        }
-        int i = of->d - 1;
-        while (i >= 0 && ++offset[i] > line[i]->above) {
-            offset[i] = -line[i]->below;
-            i--;
-        }
-        if (i < 0) return;
-    }
 }

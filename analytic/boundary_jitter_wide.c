@@ -24,7 +24,7 @@ struct orders {
     int strip, interior, neighbours;
 };
 /// By dimension: places and neighbours are products.
-static const struct orders fine[] = {{10, 12, 12}, {6, 8, 6}}, coarse[] = {{7, 9, 8}, {3, 5, 4}};
+static const struct orders fine[] = {{10, 12, 12}, {4, 6, 6}}, coarse[] = {{7, 9, 8}, {2, 4, 4}};
 
 /// Some of the lines of one coordinate, by index, and how many each stands for.
 struct nodes {
@@ -69,7 +69,7 @@ static bool add_nodes(struct nodes *nodes, double from, double to, int order)
 }
 
 /// The lines within reach of an index: the sides, which perturbations treat in another way, alone.
-static bool find_near(const sphv_jitter_sums *of, double index, int order, struct nodes *out)
+static bool find_near(const sphv_jitter_cloud *of, double index, int order, struct nodes *out)
 {
     double reach = of->profile->support / of->ds + 4 * of->box->amplitude;
     double last = (double)of->box->side - 1;
@@ -84,7 +84,7 @@ static bool find_near(const sphv_jitter_sums *of, double index, int order, struc
 }
 
 /// Particles of one coordinate: of the sides, the strips and the interior.
-static bool find_places(const sphv_jitter_sums *of, struct orders orders, struct places *out)
+static bool find_places(const sphv_jitter_cloud *of, struct orders orders, struct places *out)
 {
     double side = (double)of->box->side;
     double margin = ceil(of->profile->support / of->ds - (of->box->placement ? 0.5 : 0));
@@ -111,9 +111,9 @@ static bool find_places(const sphv_jitter_sums *of, struct orders orders, struct
 }
 
 /// Places a particle and its neighbours on the lattice, or at their mean places.
-static void put(sphv_jitter_sums *of, const struct place *const *at, bool moved)
+static void put(sphv_jitter_cloud *of, const struct place *const *at, bool moved)
 {
-    double dx = sphv_box_spacing(of->box);
+    double dx = of->dx;
     double offset = of->box->placement == SPHV_PLACEMENT_CELL ? 0.5 : 0;
     int node[SPHV_DIMENSIONS] = {0};
     for (int i = 0; i < of->d; i++) {
@@ -123,9 +123,8 @@ static void put(sphv_jitter_sums *of, const struct place *const *at, bool moved)
     }
     of->count = 0;
     for (bool more = true; more;) {
-        sphv_jitter_neighbour *b = &of->neighbour[of->count];
+        sphv_jitter_neighbour *b = sphv_jitter_next(of, 1);
         double square = 0, reach = of->profile->support + 4 * of->box->amplitude * of->ds;
-        *b = (sphv_jitter_neighbour){.weight = 1};
         for (int i = 0; i < of->d; i++) {
             double x = (at[i]->near.index[node[i]] + offset) * dx;
             b->moved[i] = sphv_jitter_at(of, x);
@@ -143,30 +142,29 @@ static void put(sphv_jitter_sums *of, const struct place *const *at, bool moved)
         more = i >= 0;
     }
     // The particle's own line is among those that the nodes stand for; it is no neighbour.
-    sphv_jitter_neighbour *own = &of->neighbour[of->count++];
-    *own = (sphv_jitter_neighbour){.weight = -1};
+    sphv_jitter_neighbour *own = sphv_jitter_next(of, -1);
     for (int i = 0; i < of->d; i++) {
         own->x[i] = of->x[i];
         own->moved[i] = of->moved[i];
     }
     own->value = sphv_field_derivative(of->field, (int[SPHV_DIMENSIONS]){0}, own->x);
+    of->count++;
 }
 
-static void add_particle(sphv_jitter_sums *of, const struct place *const *at, struct changes *to)
+/// \param lattice  h^|β| times the errors without perturbations
+static void add_particle(sphv_jitter_sums *of, const struct place *const *at, const double *lattice,
+                         struct changes *to)
 {
     sphv_jitter_effect effects;
-    double weight = 1, lattice[N];
+    double weight = 1;
     bool inside = true;
     int region = 0;
-    for (int i = 0; i < of->d; i++) {
+    for (int i = 0; i < of->cloud->d; i++) {
         region = region * PANELS + at[i]->panel;
         weight *= at[i]->weight;
         inside = inside && at[i]->inside;
     }
-    put(of, at, false);
-    bool regular = sphv_jitter_error(of, lattice);
-    put(of, at, true);
-    if (!regular || !sphv_jitter_effects(of, &effects)) {
+    if (!sphv_jitter_effects(of, &effects)) {
         to->singular = true;
         return;
     }
@@ -189,23 +187,8 @@ static void add_particle(sphv_jitter_sums *of, const struct place *const *at, st
     }
 }
 
-/// Means over the box by rules of some orders.
-static sphv_status find_changes(sphv_jitter_sums *of, struct orders orders, struct changes *to,
-                                sphv_error *error)
+static void divide(const sphv_jitter_sums *of, struct changes *to)
 {
-    struct places places;
-    const struct place *at[SPHV_DIMENSIONS] = {0};
-    int node[SPHV_DIMENSIONS] = {0};
-    *to = (struct changes){0};
-    if (!find_places(of, orders, &places))
-        return sphv_fail(error, SPHV_RESOURCE_FAILURE, "not enough memory for a box's theory");
-    for (bool more = true; more;) {
-        for (int i = 0; i < of->d; i++) at[i] = &places.at[node[i]];
-        add_particle(of, at, to);
-        int i = of->d - 1;
-        while (i >= 0 && ++node[i] == places.count) node[i--] = 0;
-        more = i >= 0;
-    }
     for (int part = 0; part < 2; part++)
         for (size_t q = 0; q < of->quantities && to->count[part] > 0; q++) {
             for (int r = 0; r < REGIONS; r++)
@@ -217,12 +200,38 @@ static sphv_status find_changes(sphv_jitter_sums *of, struct orders orders, stru
                 to->shared[n][part][q] /= to->count[part];
             }
         }
+}
+
+/// Means over the box by rules of some orders, for every method.
+static sphv_status find_changes(sphv_jitter_group *group, struct orders orders, struct changes *to,
+                                sphv_error *error)
+{
+    struct places places;
+    const struct place *at[SPHV_DIMENSIONS] = {0};
+    int node[SPHV_DIMENSIONS] = {0};
+    sphv_jitter_cloud *cloud = &group->cloud;
+    double lattice[SPHV_BOX_METHODS_MAX][N];
+    if (!find_places(cloud, orders, &places))
+        return sphv_fail(error, SPHV_RESOURCE_FAILURE, "not enough memory for a box's theory");
+    for (bool more = true; more;) {
+        for (int i = 0; i < cloud->d; i++) at[i] = &places.at[node[i]];
+        put(cloud, at, false);
+        for (size_t m = 0; m < group->count; m++)
+            if (!sphv_jitter_error(&group->sums[m], lattice[m])) to[m].singular = true;
+        put(cloud, at, true);
+        for (size_t m = 0; m < group->count; m++)
+            if (!to[m].singular) add_particle(&group->sums[m], at, lattice[m], &to[m]);
+        int i = cloud->d - 1;
+        while (i >= 0 && ++node[i] == places.count) node[i--] = 0;
+        more = i >= 0;
+    }
+    for (size_t m = 0; m < group->count; m++) divide(&group->sums[m], &to[m]);
     return SPHV_OK;
 }
 
 /// Standard deviation of the mean square, or more: own displacements are independent, neighbours'
 /// of particles further apart than two supports.
-static double deviation_of(const sphv_jitter_sums *of, const struct changes *from, int part,
+static double deviation_of(const sphv_jitter_cloud *of, const struct changes *from, int part,
                            size_t q)
 {
     static const double ball[] = {2, M_PI};
@@ -234,7 +243,7 @@ static double deviation_of(const sphv_jitter_sums *of, const struct changes *fro
 }
 
 /// Corrects one norm. \param scatter  what is known of its standard deviation, added to
-static void correct(const sphv_jitter_sums *of, const struct changes *from,
+static void correct(const sphv_jitter_cloud *of, const struct changes *from,
                     const struct changes *rough, int part, size_t q, sphv_result *norm,
                     double *scatter)
 {
@@ -257,23 +266,30 @@ static void correct(const sphv_jitter_sums *of, const struct changes *from,
         *norm = (sphv_result){NAN, INFINITY};
 }
 
-sphv_status sphv_widen_jitter(sphv_jitter_sums *of, sphv_box_prediction *out, sphv_error *error)
+sphv_status sphv_widen_jitter(sphv_jitter_group *group, sphv_box_prediction *const *out,
+                              sphv_error *error)
 {
-    struct changes result, rough;
-    struct orders most = fine[of->d - 1];
-    size_t size = (size_t)gsl_pow_int(2 * most.neighbours + 2, of->d) + 1;
-    of->neighbour = malloc(size * sizeof *of->neighbour);
-    if (!of->neighbour)
-        return sphv_fail(error, SPHV_RESOURCE_FAILURE, "not enough memory for a box's theory");
-    sphv_status status = find_changes(of, fine[of->d - 1], &result, error);
-    if (status == SPHV_OK) status = find_changes(of, coarse[of->d - 1], &rough, error);
-    free(of->neighbour);
-    if (status != SPHV_OK) return status;
-    out->rigour = SPHV_RIGOUR_STATISTICAL;
-    for (size_t q = 0; q < of->quantities; q++) {
-        correct(of, &result, &rough, 0, q, &out->rmse[q], &out->scatter[q]);
-        correct(of, &result, &rough, 1, q, &out->interior[q], &out->interior_scatter[q]);
-        out->exists[q] = isfinite(out->rmse[q].value) || isfinite(out->interior[q].value);
+    sphv_jitter_cloud *cloud = &group->cloud;
+    struct orders most = fine[cloud->d - 1];
+    struct changes *changes = calloc(2 * group->count, sizeof *changes);
+    struct changes *rough = changes + group->count;
+    sphv_status status = sphv_jitter_cloud_make(
+        cloud, (size_t)gsl_pow_int(2 * most.neighbours + 2, cloud->d) + 2, error);
+    if (!changes)
+        status = sphv_fail(error, SPHV_RESOURCE_FAILURE, "not enough memory for a box's theory");
+    if (status == SPHV_OK) status = find_changes(group, most, changes, error);
+    if (status == SPHV_OK) status = find_changes(group, coarse[cloud->d - 1], rough, error);
+    sphv_jitter_cloud_free(cloud);
+    for (size_t m = 0; m < group->count && status == SPHV_OK; m++) {
+        sphv_box_prediction *to = out[m];
+        to->rigour = SPHV_RIGOUR_STATISTICAL;
+        for (size_t q = 0; q < to->quantities; q++) {
+            correct(cloud, &changes[m], &rough[m], 0, q, &to->rmse[q], &to->scatter[q]);
+            correct(cloud, &changes[m], &rough[m], 1, q, &to->interior[q],
+                    &to->interior_scatter[q]);
+            to->exists[q] = isfinite(to->rmse[q].value) || isfinite(to->interior[q].value);
+        }
     }
-    return SPHV_OK;
+    free(changes);
+    return status;
 }

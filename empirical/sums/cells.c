@@ -11,18 +11,11 @@
 
 /// Targets in a group should be close together: a row is as thick as the square or cube that holds
 /// SPHV_LANES_MAX particles, and cells are as long as one particle needs.
-enum { SPARE = 32 }; ///< places behind the sources that a vector may read
-
 static const double THICKNESS[SPHV_DIMENSIONS] = {0, 2.83, 2};
 
 void sphv_cell_grid_free(sphv_cell_grid *grid)
 {
-    for (int i = 0; i < SPHV_DIMENSIONS; i++) free(grid->x[i]);
-    free(grid->volume);
-    free(grid->particle);
-    free(grid->target);
-    free(grid->start);
-    free(grid->row);
+    free(grid->memory);
     *grid = (sphv_cell_grid){0};
 }
 
@@ -66,21 +59,29 @@ static void choose_cells(sphv_cell_grid *grid, const sphv_extent *extent, double
     }
 }
 
+static void cut_cells(sphv_cell_grid *grid, size_t rows, sphv_bolt *bolt)
+{
+    for (int i = 0; i < grid->dimension; i++)
+        grid->x[i] = sphv_cut(bolt, grid->count + SPHV_SPARE, sizeof *grid->x[i]);
+    grid->volume = sphv_cut(bolt, grid->count + SPHV_SPARE, sizeof *grid->volume);
+    grid->particle = sphv_cut(bolt, grid->count, sizeof *grid->particle);
+    grid->target = sphv_cut(bolt, grid->targets, sizeof *grid->target);
+    grid->start = sphv_cut(bolt, rows * grid->cells[0] + 2, sizeof *grid->start);
+    grid->row = sphv_cut(bolt, rows + 1, sizeof *grid->row);
+}
+
 static bool allocate_cells(sphv_cell_grid *grid, size_t rows)
 {
-    bool enough = true;
-    for (int i = 0; i < grid->dimension; i++)
-        enough = (grid->x[i] = sphv_room(grid->count + SPARE, sizeof(double))) && enough;
-    grid->volume = sphv_room(grid->count + SPARE, sizeof(double));
-    for (int n = 0; enough && grid->volume && n < SPARE; n++) {
+    sphv_bolt bolt = {NULL, 0};
+    cut_cells(grid, rows, &bolt);
+    if (!sphv_bolt_buy(&bolt)) return false;
+    grid->memory = bolt.memory;
+    cut_cells(grid, rows, &bolt);
+    for (int n = 0; n < SPHV_SPARE; n++) {
         for (int i = 0; i < grid->dimension; i++) grid->x[i][grid->count + (size_t)n] = 0;
         grid->volume[grid->count + (size_t)n] = 0;
     }
-    grid->particle = sphv_room(grid->count, sizeof(uint32_t));
-    grid->target = sphv_room(grid->targets, sizeof(uint32_t));
-    grid->start = sphv_room(rows * grid->cells[0] + 2, sizeof(uint32_t));
-    grid->row = sphv_array(rows + 1, sizeof(sphv_row));
-    return enough && grid->volume && grid->particle && grid->target && grid->start && grid->row;
+    return true;
 }
 
 /// Bounds of a row, and how many targets it has.
@@ -115,6 +116,7 @@ static void list_targets(const sphv_cell_grid *grid, size_t r)
 static void survey_rows(sphv_cell_grid *grid, size_t rows)
 {
     uint32_t targets = 0;
+    grid->row[rows].first_target = 0;
 #pragma omp parallel for schedule(static) if (sphv_chunks(grid->count) > 1)
     for (size_t r = 0; r < rows; r++) survey_row(grid, r, &grid->row[r]);
     for (size_t r = 0; r <= rows; r++) {
@@ -193,13 +195,14 @@ static double room_of(double low, double high)
 }
 
 /// The sources of a row that may be near. \return whether there are any
-static bool find_near(const sphv_cell_grid *grid, size_t row, const double low[SPHV_DIMENSIONS],
-                      const double high[SPHV_DIMENSIONS], double limit, sphv_range *range)
+SPHV_INLINE bool find_near(const sphv_cell_grid *grid, const int dimension, size_t row,
+                           const double low[SPHV_DIMENSIONS], const double high[SPHV_DIMENSIONS],
+                           double limit, sphv_range *range)
 {
     const sphv_row *of = &grid->row[row];
     const uint32_t *start = grid->start + row * grid->cells[0];
     double room = room_of(low[0], high[0]), square = 0;
-    for (int i = 1; i < grid->dimension; i++) {
+    for (int i = 1; i < dimension; i++) {
         double apart = gap(low[i], high[i], of->low[i], of->high[i]);
         square += apart * apart;
     }
@@ -214,21 +217,22 @@ static bool find_near(const sphv_cell_grid *grid, size_t row, const double low[S
 bool sphv_cell_grid_range(const sphv_cell_grid *grid, size_t row, const double low[SPHV_DIMENSIONS],
                           const double high[SPHV_DIMENSIONS], double limit, sphv_range *range)
 {
-    if (!find_near(grid, row, low, high, limit, range)) return false;
+    if (!find_near(grid, grid->dimension, row, low, high, limit, range)) return false;
     find_sure(grid, &grid->row[row], grid->start + row * grid->cells[0], low, high, limit,
               room_of(low[0], high[0]), range);
     return true;
 }
 
-size_t sphv_cell_grid_ranges(const sphv_cell_grid *grid, const double low[SPHV_DIMENSIONS],
-                             const double high[SPHV_DIMENSIONS], double limit, bool sure,
-                             sphv_range *ranges)
+SPHV_INLINE size_t find_ranges(const sphv_cell_grid *grid, const int dimension,
+                               const double low[SPHV_DIMENSIONS],
+                               const double high[SPHV_DIMENSIONS], double limit, bool sure,
+                               sphv_range *ranges)
 {
     // The radius with room for the rounding of what is added to it.
     double radius = sqrt(limit) * (1 + 8 * SPHV_U);
     int first[SPHV_DIMENSIONS] = {0, 0, 0}, last[SPHV_DIMENSIONS] = {0, 0, 0};
     size_t count = 0;
-    for (int i = 1; i < grid->dimension; i++) {
+    for (int i = 1; i < dimension; i++) {
         double room = room_of(low[i], high[i]);
         first[i] = sphv_cell_of(grid, i, low[i] - radius - room);
         last[i] = sphv_cell_of(grid, i, high[i] + radius + room);
@@ -237,7 +241,16 @@ size_t sphv_cell_grid_ranges(const sphv_cell_grid *grid, const double low[SPHV_D
         for (int y = first[1]; y <= last[1]; y++) {
             size_t row = (size_t)z * grid->cells[1] + (size_t)y;
             count += sure ? sphv_cell_grid_range(grid, row, low, high, limit, &ranges[count])
-                          : find_near(grid, row, low, high, limit, &ranges[count]);
+                          : find_near(grid, dimension, row, low, high, limit, &ranges[count]);
         }
     return count;
+}
+
+size_t sphv_cell_grid_ranges(const sphv_cell_grid *grid, const double low[SPHV_DIMENSIONS],
+                             const double high[SPHV_DIMENSIONS], double limit, bool sure,
+                             sphv_range *ranges)
+{
+    if (grid->dimension == 2) return find_ranges(grid, 2, low, high, limit, sure, ranges);
+    if (grid->dimension == 3) return find_ranges(grid, 3, low, high, limit, sure, ranges);
+    return find_ranges(grid, 1, low, high, limit, sure, ranges);
 }

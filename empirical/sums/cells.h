@@ -30,6 +30,7 @@ typedef struct sphv_cell_grid {
     size_t cells[SPHV_DIMENSIONS];
     uint32_t *start; ///< [row * cells[0] + cell]: its first source; one more at the end
     sphv_row *row;   ///< [z * cells[1] + y]; one more at the end
+    void *memory;    ///< that the arrays are cut from
 } sphv_cell_grid;
 
 /// Sorts particles. \param radius of the support

@@ -150,18 +150,17 @@ static void take_fields(const struct direct *direct, struct bench *bench, const 
 {
     const sphv_sorted *sorted = &direct->sorted;
     sphv_pass *pass = &bench->pass;
-    double low, high;
     pass->sources = (sphv_sources){.v = sorted->v};
     for (int i = 0; i < sorted->grid.dimension; i++) pass->sources.x[i] = sorted->grid.x[i];
-    for (int j = 0; j < fields; j++) {
-        double *own = bench->worker.values + (size_t)(f + j) * bench->worker.block.stride + at;
-        pass->sources.field[j] = sorted->field[f + j];
-        load_lanes(sorted->field[f + j], target, own, &low, &high);
-        memcpy(pass->a[j], own, sizeof pass->a[j]);
-    }
-    for (int j = fields; j < SPHV_PASS_FIELDS; j++) { // the first again for want of a second
-        pass->sources.field[j] = sorted->field[f];
-        memcpy(pass->a[j], pass->a[0], sizeof pass->a[j]);
+    for (int j = 0; j < SPHV_PASS_FIELDS; j++) { // the first again for want of a second
+        const int field = j < fields ? f + j : f;
+        const double *from = sorted->field[field];
+        double *own = bench->worker.values + (size_t)field * bench->worker.block.stride + at;
+        pass->sources.field[j] = from;
+        for (int l = 0; l < SPHV_LANES_MAX; l++) {
+            own[l] = from[target[l]];
+            pass->a[j][l] = from[target[l]];
+        }
     }
 }
 

@@ -82,50 +82,51 @@ static sphv_status check(const sphv_particles *particles, const sphv_request *re
     return status;
 }
 
-static bool make_method(sphv_method_estimates *out, sphv_method method, int dimension,
-                        size_t fields, size_t count)
+/// Cuts the arrays over particles.
+static void cut_estimates(sphv_estimates *out, sphv_bolt *bolt)
 {
-    out->method = method;
-    out->quantities = sphv_method_quantities(method, dimension);
-    size_t arrays = fields * out->quantities;
-    out->condition = sphv_room(count, sizeof *out->condition);
-    out->fault = sphv_room(count, sizeof *out->fault);
-    out->rounding = sphv_array(arrays, sizeof *out->rounding);
-    out->estimate = sphv_array(arrays, sizeof *out->estimate);
-    bool enough = out->condition && out->fault && out->rounding && out->estimate;
-    for (size_t a = 0; enough && a < arrays; a++)
-        enough = (out->estimate[a] = sphv_room(count, sizeof **out->estimate)) != NULL;
-    return enough;
+    out->neighbours = sphv_cut(bolt, out->count, sizeof *out->neighbours);
+    for (size_t m = 0; m < out->method_count; m++) {
+        sphv_method_estimates *method = &out->methods[m];
+        method->condition = sphv_cut(bolt, out->count, sizeof *method->condition);
+        method->fault = sphv_cut(bolt, out->count, sizeof *method->fault);
+        for (size_t a = 0; a < out->field_count * method->quantities; a++)
+            method->estimate[a] = sphv_cut(bolt, out->count, sizeof **method->estimate);
+    }
 }
 
 static bool make_estimates(sphv_estimates *out, const sphv_request *request, int dimension,
                            size_t count)
 {
     *out = (sphv_estimates){.count = count, .field_count = request->field_count};
-    out->neighbours = sphv_room(count, sizeof *out->neighbours);
     out->methods = sphv_array(request->method_count, sizeof *out->methods);
-    bool enough = out->neighbours && out->methods;
-    for (size_t m = 0; enough && m < request->method_count; m++) {
+    if (!out->methods) return false;
+    for (size_t m = 0; m < request->method_count; m++) {
+        sphv_method_estimates *method = &out->methods[m];
         out->method_count = m + 1;
-        enough = make_method(&out->methods[m], request->methods[m], dimension, request->field_count,
-                             count);
+        method->method = request->methods[m];
+        method->quantities = sphv_method_quantities(method->method, dimension);
+        size_t arrays = request->field_count * method->quantities;
+        method->rounding = sphv_array(arrays, sizeof *method->rounding);
+        method->estimate = sphv_array(arrays, sizeof *method->estimate);
+        if (!method->rounding || !method->estimate) return false;
     }
-    return enough;
+    sphv_bolt bolt = {NULL, 0};
+    cut_estimates(out, &bolt);
+    if (!sphv_bolt_buy(&bolt)) return false;
+    out->memory = bolt.memory;
+    cut_estimates(out, &bolt);
+    return true;
 }
 
 void sphv_estimates_free(sphv_estimates *estimates)
 {
     for (size_t m = 0; m < estimates->method_count; m++) {
-        sphv_method_estimates *method = &estimates->methods[m];
-        for (size_t a = 0; method->estimate && a < estimates->field_count * method->quantities; a++)
-            free(method->estimate[a]);
-        free(method->estimate);
-        free(method->condition);
-        free(method->fault);
-        free(method->rounding);
+        free(estimates->methods[m].estimate);
+        free(estimates->methods[m].rounding);
     }
     free(estimates->methods);
-    free(estimates->neighbours);
+    free(estimates->memory);
     *estimates = (sphv_estimates){0};
 }
 

@@ -7,8 +7,6 @@
 #include "memory.h"
 #include "sorted.h"
 
-enum { SPARE = 32 }; ///< places that a vector may reach over the end of a row
-
 /// Everything the threads share.
 struct half {
     sphv_sorted sorted;
@@ -42,7 +40,7 @@ static bool make_fields(struct half *half, bool *finite)
     const sphv_sorted *sorted = &half->sorted;
     double largest = 0;
     for (size_t f = 0; f < sorted->fields; f++) {
-        double *field = half->field[f] = sphv_array(half->count + SPARE, sizeof(double));
+        double *field = half->field[f] = sphv_array(half->count + SPHV_SPARE, sizeof(double));
         if (!field) return false;
         for (size_t b = 0; b < half->count; b++) {
             field[b] = sorted->field[f][b] * sorted->v[b];
@@ -86,7 +84,7 @@ static sphv_status half_make(struct half *half, const sphv_evaluation *evaluatio
         size_t length = row_begin(grid, r + 1) - row_begin(grid, r);
         if (length > half->room) half->room = length;
     }
-    half->room = (half->room + SPHV_LANES_MAX + SPARE) / SPHV_LANES_MAX * SPHV_LANES_MAX;
+    half->room = (half->room + SPHV_LANES_MAX + SPHV_SPARE) / SPHV_LANES_MAX * SPHV_LANES_MAX;
     half->total = sphv_array(half->count * half->sums, sizeof(double));
     half->number = sphv_array(half->count, sizeof(double));
     half->depth = sphv_array(half->count, sizeof(double));

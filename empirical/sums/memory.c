@@ -14,7 +14,7 @@ static const size_t PAGE = (size_t)2 << 20, LINE = 64;
 /// Whether an array is worth large pages, and small enough to be rounded up to them.
 static bool is_large(size_t count, size_t size)
 {
-    return count <= (SIZE_MAX - PAGE) / size && count * size >= 2 * PAGE;
+    return count <= (SIZE_MAX - PAGE) / size && count * size >= PAGE / 2;
 }
 
 void *sphv_room(size_t count, size_t size)
@@ -36,6 +36,24 @@ void *sphv_room(size_t count, size_t size)
 void *sphv_array(size_t count, size_t size)
 {
     void *array = sphv_room(count, size);
-    if (array && count > 0) memset(array, 0, count * size);
+    if (array) memset(array, 0, (count ? count : 1) * size);
     return array;
+}
+
+void *sphv_cut(sphv_bolt *bolt, size_t count, size_t size)
+{
+    const size_t from = bolt->used;
+    if (from > SIZE_MAX - LINE || count > (SIZE_MAX - LINE - from) / size) {
+        bolt->used = SIZE_MAX;
+        return NULL;
+    }
+    bolt->used += (count * size + LINE - 1) / LINE * LINE;
+    return bolt->memory ? bolt->memory + from : NULL;
+}
+
+bool sphv_bolt_buy(sphv_bolt *bolt)
+{
+    bolt->memory = bolt->used < SIZE_MAX ? sphv_room(bolt->used, 1) : NULL;
+    bolt->used = 0;
+    return bolt->memory != NULL;
 }

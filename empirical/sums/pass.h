@@ -13,6 +13,7 @@ enum {
     SPHV_PASS_FIELDS = 2, ///< fields in one pass
     SPHV_PASS_PART = 256, ///< longest run of sources summed plainly; longer ones in parts
     SPHV_PASS_SUMS = 256, ///< of one pass: moments, sizes, field sums
+    SPHV_SPARE = 32, ///< places behind all sources, and behind a row, that a half pass may read
     SPHV_HALF_SUMS = SPHV_PASS_FIELDS * (1 + SPHV_DIMENSIONS), ///< of one half pass
 };
 

@@ -1,6 +1,7 @@
 #include "sorted.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "../clones.h"
 #include "../internal.h"
@@ -24,22 +25,30 @@ static void take_field(double *to, const double *field, const uint32_t *particle
     for (size_t b = 0; b < count; b++) to[b] = field[particle[b]];
 }
 
+static void cut_fields(sphv_sorted *sorted, size_t fields, sphv_bolt *bolt)
+{
+    size_t n = sorted->grid.count ? sorted->grid.count : 1;
+    for (size_t f = 0; f < fields; f++)
+        sorted->field[f] = sphv_cut(bolt, n, sizeof **sorted->field);
+}
+
 static bool make_sources(sphv_sorted *sorted)
 {
     const sphv_cell_grid *grid = &sorted->grid;
     const sphv_request *request = sorted->evaluation->request;
-    size_t n = grid->count ? grid->count : 1;
     double unit = 1;
     for (int i = 0; i < grid->dimension; i++) unit *= request->h;
     sorted->v = grid->volume;
     // A pass has at least one field; without any it gets one that is nowhere different.
     size_t fields = sorted->fields ? sorted->fields : 1;
     sorted->field = calloc(fields, sizeof *sorted->field);
-    bool enough = sorted->field != NULL;
-    for (size_t f = 0; enough && f < fields; f++)
-        enough = (sorted->field[f] = sorted->fields ? sphv_room(n, sizeof(double))
-                                                    : sphv_array(n, sizeof(double))) != NULL;
-    if (!enough) return false;
+    if (!sorted->field) return false;
+    sphv_bolt bolt = {NULL, 0};
+    cut_fields(sorted, fields, &bolt);
+    if (!sphv_bolt_buy(&bolt)) return false;
+    sorted->memory = bolt.memory;
+    cut_fields(sorted, fields, &bolt);
+    if (sorted->fields == 0) memset(sorted->field[0], 0, grid->count * sizeof(double));
     const size_t chunks = sphv_chunks(grid->count);
 #pragma omp parallel for schedule(static) if (chunks > 1)
     for (size_t c = 0; c < chunks; c++) {
@@ -82,8 +91,7 @@ static bool make_scale(sphv_sorted *sorted)
 
 void sphv_sorted_free(sphv_sorted *sorted)
 {
-    for (size_t f = 0; sorted->field && f < (sorted->fields ? sorted->fields : 1); f++)
-        free(sorted->field[f]);
+    free(sorted->memory);
     free(sorted->field);
     free(sorted->scale);
     sphv_cell_grid_free(&sorted->grid);

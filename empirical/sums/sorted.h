@@ -15,6 +15,7 @@ typedef struct sphv_sorted {
     double v_most;   ///< max |V|/h^d
     double rounding; ///< of a summand
     size_t fields;   ///< the request's
+    void *memory;    ///< that the fields are cut from
     double **field;  ///< of each source; one at least, of zeros when there are none
     double *scale;   ///< of each sum of the layout, from powers of d to powers of s
 } sphv_sorted;

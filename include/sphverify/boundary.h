@@ -31,6 +31,8 @@ typedef enum sphv_moment_source {
     SPHV_MOMENTS_EVERY,
 } sphv_moment_source;
 
+enum { SPHV_BOX_METHODS_MAX = SPHV_MSPH + 1 }; ///< methods that may be asked for at once
+
 /// A prediction of the root mean square error over the particles of a box.
 typedef struct sphv_box_prediction {
     size_t quantities;
@@ -39,8 +41,8 @@ typedef struct sphv_box_prediction {
     /// Standard deviation of the two over realisations of a perturbed lattice, or more than that:
     /// 0 on the lattice, infinite where theory does not tell.
     double scatter[SPHV_QUANTITIES_MAX], interior_scatter[SPHV_QUANTITIES_MAX];
-    sphv_rigour rigour;
     double excluded; ///< particles without a usable moment matrix, left out of the norms
+    sphv_rigour rigour;
     bool exists[SPHV_QUANTITIES_MAX]; ///< false where derivatives of the field are not integrable
 } sphv_box_prediction;
 
@@ -57,6 +59,14 @@ sphv_status sphv_predict_box_from(const sphv_box *box, const sphv_profile *profi
                                   sphv_method method, const sphv_field *field,
                                   sphv_moment_source source, sphv_box_prediction *out,
                                   sphv_error *error) SPHV_MUST_CHECK;
+
+/// Predicts several methods at once, which share moments: the same numbers, sooner.
+/// \param methods  no more than SPHV_BOX_METHODS_MAX
+/// \param out      of each method; without quantities where there is no theory
+sphv_status sphv_predict_box_methods(const sphv_box *box, const sphv_profile *profile, double h,
+                                     size_t count, const sphv_method *methods,
+                                     const sphv_field *field, sphv_box_prediction *out,
+                                     sphv_error *error) SPHV_MUST_CHECK;
 
 /// What the papers ask of a kernel on particles, one component of each, V = Δx^d, s = (x_b −
 /// x_a)/h. Equation numbers are Sigalotti's (2016).

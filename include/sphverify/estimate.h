@@ -68,6 +68,7 @@ typedef struct sphv_estimates {
     double tested;        ///< pairs whose distance was computed
     double seconds;       ///< wall time, sorting included
     sphv_route route;     ///< the one taken
+    void *memory;         ///< that the arrays over particles are cut from
 } sphv_estimates;
 
 /// Estimates fields and derivatives at all particles. The result is the same bit for bit for any

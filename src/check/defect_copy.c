@@ -180,9 +180,8 @@ mpq_t *sphv_defect_coefficient(sphv_exact_pieces *pieces, int index)
     return NULL;
 }
 
-static void make_fraction(mpq_t out, long numerator, unsigned long denominator)
+static void set_fraction(mpq_t out, long numerator, unsigned long denominator)
 {
-    mpq_init(out);
     mpq_set_si(out, numerator, denominator);
     mpq_canonicalize(out);
 }
@@ -190,7 +189,8 @@ static void make_fraction(mpq_t out, long numerator, unsigned long denominator)
 void sphv_defect_scale(mpq_t value, long numerator, unsigned long denominator)
 {
     mpq_t factor;
-    make_fraction(factor, numerator, denominator);
+    mpq_init(factor);
+    set_fraction(factor, numerator, denominator);
     mpq_mul(value, value, factor);
     mpq_clear(factor);
 }
@@ -198,7 +198,8 @@ void sphv_defect_scale(mpq_t value, long numerator, unsigned long denominator)
 void sphv_defect_scale_all(sphv_exact_pieces *pieces, long numerator, unsigned long denominator)
 {
     mpq_t factor;
-    make_fraction(factor, numerator, denominator);
+    mpq_init(factor);
+    set_fraction(factor, numerator, denominator);
     sphv_exact_pieces_scale(pieces, factor);
     mpq_clear(factor);
 }

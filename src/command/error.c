@@ -93,14 +93,31 @@ static sphv_status evaluate(const sphv_error_question *of, sphv_point *point,
     return status;
 }
 
+/// Refuses options that would be passed over: those of a box on the endless line, and the reverse.
+static sphv_status check_place(const sphv_arguments *arguments, bool box, sphv_error *error)
+{
+    static const char *const of_boxes[] = {"field",     "placement", "jitter",
+                                           "reflected", "periodic",  NULL};
+    static const char *const of_the_line[] = {"form", "exhaustive", "width", "realisations", NULL};
+    for (const char *const *name = box ? of_the_line : of_boxes; *name; name++)
+        if (sphv_argument(arguments, *name))
+            return sphv_fail(error, SPHV_INVALID_INPUT,
+                             box ? "--%s is of the endless line; not with --particles"
+                                 : "--%s is of a box; allowed: with --particles",
+                             *name);
+    return SPHV_OK;
+}
+
 static int run(const sphv_arguments *arguments)
 {
-    if (sphv_argument(arguments, "particles")) return sphv_run_error_box(arguments);
     sphv_error_question of = {0};
     sphv_error error;
     sphv_point point;
     sphv_term_table terms;
-    sphv_status status = read_question(arguments, &of, &error);
+    bool box = sphv_argument(arguments, "particles") != NULL;
+    sphv_status status = check_place(arguments, box, &error);
+    if (status == SPHV_OK && box) return sphv_run_error_box(arguments);
+    if (status == SPHV_OK) status = read_question(arguments, &of, &error);
     if (status == SPHV_OK) status = evaluate(&of, &point, &terms, &error);
     if (status != SPHV_OK) {
         sphv_kernel_free(of.kernel);

@@ -92,9 +92,6 @@ static sphv_status read_question(const sphv_arguments *arguments, struct error_b
     const char *field = sphv_argument(arguments, "field");
     sphv_box_question *question = &of->question;
     if (!name) return sphv_fail(error, SPHV_INVALID_INPUT, "--kernel is missing; see --help");
-    if (sphv_argument(arguments, "form") || sphv_argument(arguments, "exhaustive"))
-        return sphv_fail(error, SPHV_INVALID_INPUT,
-                         "--form and --exhaustive are of the endless line; not with --particles");
     sphv_status status = read_box(arguments, &question->box, error);
     if (status == SPHV_OK && method) status = sphv_method_parse(method, &question->method, error);
     if (status == SPHV_OK)

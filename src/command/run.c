@@ -82,20 +82,10 @@ static sphv_status write_plot(const sphv_scene_result *result, const char *direc
                               sphv_error *error)
 {
     char name[96], *svg = NULL;
-    sphv_output_file file;
     sphv_error reason;
     sphv_status status = sphv_plot_scene(result, &svg, &reason);
-    if (status != SPHV_OK)
-        return sphv_fail(error, status, "%.600s; with --no-plot all but the SVG is written",
-                         reason.message);
     snprintf(name, sizeof name, "%.64s.svg", result->scene->name);
-    status = sphv_output_open(directory, name, &file, error);
-    if (status == SPHV_OK) {
-        fputs(svg, file.stream);
-        status = sphv_output_commit(&file, error);
-    }
-    free(svg);
-    return status;
+    return sphv_write_drawn(status, svg, &reason, directory, name, error);
 }
 
 /// One row per claim, for CSV and Markdown.

@@ -163,25 +163,31 @@ void sphv_print_convergence(const sphv_convergence_result *result)
     printf("\n%s: %s (%.3f s)\n", scene->name, sphv_verdict_name(result->verdict), result->seconds);
 }
 
-static sphv_status write_plot(const sphv_convergence_result *result, size_t plot,
-                              const char *directory, sphv_error *error)
+sphv_status sphv_write_drawn(sphv_status drawn, char *svg, const sphv_error *reason,
+                             const char *directory, const char *name, sphv_error *error)
 {
-    char name[160], *svg = NULL;
     sphv_output_file file;
-    sphv_error reason;
-    sphv_status status = sphv_plot_rates(result, plot, &svg, &reason);
-    if (status != SPHV_OK)
-        return sphv_fail(error, status, "%.600s; with --no-plot all but the SVG is written",
-                         reason.message);
-    snprintf(name, sizeof name, "%.64s-%.60s.svg", result->scene->name,
-             result->scene->plots[plot].id);
-    status = sphv_output_open(directory, name, &file, error);
+    if (drawn != SPHV_OK)
+        return sphv_fail(error, drawn, "%.600s; with --no-plot all but the SVG is written",
+                         reason->message);
+    sphv_status status = sphv_output_open(directory, name, &file, error);
     if (status == SPHV_OK) {
         fputs(svg, file.stream);
         status = sphv_output_commit(&file, error);
     }
     free(svg);
     return status;
+}
+
+static sphv_status write_plot(const sphv_convergence_result *result, size_t plot,
+                              const char *directory, sphv_error *error)
+{
+    char name[160], *svg = NULL;
+    sphv_error reason;
+    sphv_status status = sphv_plot_rates(result, plot, &svg, &reason);
+    snprintf(name, sizeof name, "%.64s-%.60s.svg", result->scene->name,
+             result->scene->plots[plot].id);
+    return sphv_write_drawn(status, svg, &reason, directory, name, error);
 }
 
 sphv_status sphv_write_convergence(const sphv_convergence_result *result, const char *directory,

@@ -157,8 +157,11 @@ static void put_verdicts(FILE *stream, const sphv_rendering *rendering)
           "<p>Points at which theory and measurement agree, disagree, or at which the bounds are "
           "too wide to tell. The verdict is that of theory (the exact form, or on disordered "
           "particles the expected norm), the claims and the checks; the paper’s form is shown "
-          "beside it and does not enter.</p>\n",
+          "beside it and does not enter.",
           stream);
+    if (rendering->report->convergence_count)
+        fputs(" Tables of rates have verdicts of their own <a href=\"#rates\">below</a>.", stream);
+    fputs("</p>\n", stream);
     for (int kind = 0; kind < 2; kind++) {
         fprintf(stream,
                 SPHV_HTML_SCROLL
@@ -193,7 +196,7 @@ static void put_head(FILE *stream, const sphv_rendering *rendering)
             sphv_plural(report->kernel_count, "kernel", "kernels"),
             report->scene_count + report->convergence_count,
             sphv_plural(report->scene_count + report->convergence_count, "scene", "scenes"));
-    sphv_html_number(stream, report->seconds, 2);
+    fprintf(stream, report->seconds < 10 ? "%.1f" : "%.0f", report->seconds);
     fputs(" s. The numbers with 17 digits are in <code>report.json</code> beside this "
           "page.</p></header>\n"
           "<nav aria-label=\"Contents\"><ul><li><a href=\"#verdicts\">Verdicts</a>"

@@ -21,6 +21,22 @@ void sphv_markdown_text_cell(FILE *stream, const char *text)
     fputs(" | ", stream);
 }
 
+void sphv_markdown_scene_head(FILE *stream, const char *title, const char *name, const char *source,
+                              sphv_verdict verdict, const char *notes)
+{
+    fputs("\n### ", stream);
+    sphv_put_markdown(stream, title);
+    fputs("\n\n", stream);
+    sphv_put_markdown(stream, name);
+    fputs(". Source: ", stream);
+    sphv_put_markdown(stream, source);
+    fprintf(stream, ". Verdict: **%s**.\n", sphv_verdict_name(verdict));
+    if (!*notes) return;
+    fputc('\n', stream);
+    sphv_put_markdown(stream, notes);
+    fputc('\n', stream);
+}
+
 void sphv_markdown_claim_end(FILE *stream, const char *reason, bool surprising, const char *refuted)
 {
     sphv_markdown_text_cell(stream, reason);
@@ -166,17 +182,9 @@ static void put_claim(FILE *stream, const sphv_claim *claim, const sphv_claim_re
 static void put_scene(FILE *stream, const sphv_scene_result *result)
 {
     const sphv_scene *scene = result->scene;
-    fputs("\n### ", stream);
-    sphv_put_markdown(stream, scene->title);
-    fputs("\n\n", stream);
-    sphv_put_markdown(stream, scene->name);
-    fputs(". Source: ", stream);
-    sphv_put_markdown(stream, scene->source);
-    fprintf(stream, ". Verdict: **%s**.\n\n", sphv_verdict_name(result->verdict));
-    if (*scene->notes) {
-        sphv_put_markdown(stream, scene->notes);
-        fputs("\n\n", stream);
-    }
+    sphv_markdown_scene_head(stream, scene->title, scene->name, scene->source, result->verdict,
+                             scene->notes);
+    fputc('\n', stream);
     if (scene->claim_count)
         fputs("| Claim | Measure | Verdict | Theory | Measured | Expected | Reason of the "
               "tolerance | "

@@ -12,6 +12,10 @@ void sphv_markdown_number(FILE *stream, double value, int digits);
 void sphv_markdown_number_cell(FILE *stream, double value, int digits);
 void sphv_markdown_text_cell(FILE *stream, const char *text);
 
+/// Title, name, source, verdict and notes of a scene.
+void sphv_markdown_scene_head(FILE *stream, const char *title, const char *name, const char *source,
+                              sphv_verdict verdict, const char *notes);
+
 /// Ends the row of a claim: the reason of its tolerance, and remarks.
 /// \param refuted why it is known not to hold; may be NULL
 void sphv_markdown_claim_end(FILE *stream, const char *reason, bool surprising,

@@ -174,18 +174,8 @@ static void put_listed(FILE *stream, const sphv_convergence_result *result)
 void sphv_markdown_convergence(FILE *stream, const sphv_convergence_result *result)
 {
     const sphv_convergence *scene = result->scene;
-    fputs("\n### ", stream);
-    sphv_put_markdown(stream, scene->title);
-    fputs("\n\n", stream);
-    sphv_put_markdown(stream, scene->name);
-    fputs(". Source: ", stream);
-    sphv_put_markdown(stream, scene->source);
-    fprintf(stream, ". Verdict: **%s**.\n", sphv_verdict_name(result->verdict));
-    if (*scene->notes) {
-        fputc('\n', stream);
-        sphv_put_markdown(stream, scene->notes);
-        fputc('\n', stream);
-    }
+    sphv_markdown_scene_head(stream, scene->title, scene->name, scene->source, result->verdict,
+                             scene->notes);
     put_listed(stream, result);
     if (scene->table) {
         put_grid(stream, result);

@@ -91,20 +91,31 @@ static sphv_status predict_measures(sphv_convergence_result *result, size_t leve
     return status;
 }
 
-static sphv_status predict_stage(sphv_convergence_result *result, size_t level, size_t s,
-                                 sphv_error *error)
+/// Predicts the methods of a pass together: they have particles, kernel and h in common.
+static sphv_status predict_pass(sphv_convergence_result *result, size_t level, size_t pass,
+                                sphv_error *error)
 {
     const sphv_convergence *scene = result->scene;
-    const sphv_scheme *scheme = &scene->schemes[s];
-    sphv_stage *stage = &result->stages[level * scene->scheme_count + s];
-    sphv_box box = sphv_scheme_box(scene, scheme, level);
-    for (size_t f = 0; f < scene->field_count; f++) {
-        sphv_box_prediction prediction;
-        sphv_status status = sphv_predict_box(&box, scheme->profile, stage->h, scheme->method,
-                                              &scene->fields[f], &prediction, error);
-        if (status == SPHV_NO_CLOSED_FORM) continue;
-        if (status != SPHV_OK) return status;
-        compare(scene, f, &prediction, stage);
+    const sphv_scheme *leader = &scene->schemes[pass];
+    sphv_stage *stages = &result->stages[level * scene->scheme_count];
+    sphv_box box = sphv_scheme_box(scene, leader, level);
+    sphv_method methods[SPHV_BOX_METHODS_MAX];
+    sphv_stage *stage[SPHV_BOX_METHODS_MAX];
+    for (size_t s = pass; s < scene->scheme_count;) {
+        size_t count = 0;
+        for (; s < scene->scheme_count && count < SPHV_BOX_METHODS_MAX; s++) {
+            if (scene->schemes[s].pass != pass || !scene->schemes[s].has_method) continue;
+            methods[count] = scene->schemes[s].method;
+            stage[count++] = &stages[s];
+        }
+        for (size_t f = 0; f < scene->field_count; f++) {
+            sphv_box_prediction predictions[SPHV_BOX_METHODS_MAX];
+            sphv_status status =
+                sphv_predict_box_methods(&box, leader->profile, stages[pass].h, count, methods,
+                                         &scene->fields[f], predictions, error);
+            if (status != SPHV_OK) return status;
+            for (size_t m = 0; m < count; m++) compare(scene, f, &predictions[m], stage[m]);
+        }
     }
     return SPHV_OK;
 }
@@ -114,8 +125,9 @@ static sphv_status predict_one(sphv_convergence_result *result, bool measures, s
                                size_t scheme, sphv_error *error)
 {
     if (measures) return predict_measures(result, level, scheme, error);
-    return result->scene->schemes[scheme].has_method ? predict_stage(result, level, scheme, error)
-                                                     : SPHV_OK;
+    return result->scene->schemes[scheme].pass == scheme
+               ? predict_pass(result, level, scheme, error)
+               : SPHV_OK;
 }
 
 sphv_status sphv_convergence_predict(sphv_convergence_result *result, sphv_progress progress,

@@ -28,6 +28,14 @@ refuse 2 '' error --kernel quinlan-w10 --h 0.02 --spacing 0.4 --dim x
 refuse 2 '' error --kernel quinlan-w10 --h 0.02 --spacing 0.4 --method magic
 refuse 2 '' error --kernel quinlan-w10 --h 0.02 --spacing 0.4 --layout spiral
 refuse 2 '' error --kernel quinlan-w10 --h 0.02 --spacing 0.4 --volume none
+for option in '--field f1' '--placement cell' '--jitter uniform' --reflected --periodic; do
+    # shellcheck disable=SC2086  # an option and its word
+    refuse 2 'of a box' error --kernel quinlan-w10 --h 0.02 --spacing 0.4 $option
+done
+for option in '--form exact' --exhaustive '--width 0.1' '--realisations 4'; do
+    # shellcheck disable=SC2086
+    refuse 2 'of the endless line' error --kernel quinlan-w10 --particles 25 --spacing 0.4 $option
+done
 refuse 2 'too many' error --kernel quinlan-w10 --h 1e-9 --spacing 1e-4 --exhaustive
 
 refuse 2 '/nowhere' kernels --data-dir /nowhere

@@ -165,6 +165,17 @@ char *file_read(const char *folder, const char *name)
     return text;
 }
 
+char *text_with_line(const char *const *lines, int count, int line, const char *replacement)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *stream = open_memstream(&text, &size);
+    if (!stream) fail_msg("out of memory");
+    for (int i = 0; i < count; i++) fprintf(stream, "%s\n", i + 1 == line ? replacement : lines[i]);
+    if (fclose(stream) != 0) fail_msg("out of memory");
+    return text;
+}
+
 sphv_status kernel_from_text(const char *text, sphv_kernel **out, sphv_error *error)
 {
     char *folder = folder_make(), *path = file_write(folder, "k.yaml", text);

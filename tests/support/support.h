@@ -69,6 +69,9 @@ char *file_write(const char *folder, const char *name, const char *text);
 /// read. The caller frees the text.
 char *file_read(const char *folder, const char *name);
 
+/// Lines as one text, each ended, with one of them (from 1; 0: none) replaced. The caller frees it.
+char *text_with_line(const char *const *lines, int count, int line, const char *replacement);
+
 /// Loads a kernel from a text, through a temporary file.
 sphv_status kernel_from_text(const char *text, sphv_kernel **out, sphv_error *error);
 

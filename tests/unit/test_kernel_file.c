@@ -21,22 +21,14 @@ static const char *const good[] = {
 };
 enum { LINES = sizeof good / sizeof *good };
 
-static void compose(char *text, size_t size, int line, const char *replacement)
-{
-    size_t used = 0;
-    for (int i = 0; i < LINES; i++)
-        used += (size_t)snprintf(text + used, size - used, "%s\n",
-                                 i + 1 == line ? replacement : good[i]);
-}
-
 static void test_the_good_file(void **state)
 {
     (void)state;
-    char text[2000];
-    compose(text, sizeof text, 0, "");
+    char *text = text_with_line(good, LINES, 0, "");
     sphv_kernel *kernel = NULL;
     sphv_error error = {SPHV_OK, ""};
     assert_ok(kernel_from_text(text, &kernel, &error), error);
+    free(text);
     assert_string_equal(sphv_kernel_name(kernel), "test-kernel");
     assert_string_equal(sphv_kernel_title(kernel), "A kernel");
     assert_string_equal(sphv_kernel_source(kernel), "Here");
@@ -118,11 +110,11 @@ static void test_bad_lines(void **state)
         {10, "claims: {monotone: true", "not YAML"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        char text[2000];
-        compose(text, sizeof text, cases[i].line, cases[i].replacement);
+        char *text = text_with_line(good, LINES, cases[i].line, cases[i].replacement);
         sphv_kernel *kernel = NULL;
         sphv_error error = {SPHV_OK, ""};
         sphv_status status = kernel_from_text(text, &kernel, &error);
+        free(text);
         if (status == SPHV_OK) fail_msg("accepted: %s", cases[i].replacement);
         assert_failed(status, &error, SPHV_INVALID_INPUT, cases[i].part);
         assert_non_null(strstr(error.message, "k.yaml:"));

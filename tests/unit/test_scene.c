@@ -33,12 +33,10 @@ static sphv_status load(const char *text, sphv_scene **out, sphv_error *error)
 static sphv_status load_changed(int line, const char *replacement, sphv_scene **out,
                                 sphv_error *error)
 {
-    char text[4000];
-    size_t used = 0;
-    for (int i = 0; i < LINES; i++)
-        used += (size_t)snprintf(text + used, sizeof text - used, "%s\n",
-                                 i + 1 == line ? replacement : good[i]);
-    return load(text, out, error);
+    char *text = text_with_line(good, LINES, line, replacement);
+    sphv_status status = load(text, out, error);
+    free(text);
+    return status;
 }
 
 static void test_bad_lines(void **state)

@@ -116,39 +116,38 @@ static void test_against_particles(void **state)
     (void)state;
     static const struct {
         const char *kernel, *field;
-        int dimension;
-        size_t side;
+        size_t dimension, side;
         sphv_placement placement;
         sphv_jitter jitter;
         double amplitude;
-        bool reflected, periodic;
         double reach; ///< spacings within the support; 0: √(13/π), or 13 neighbours in a plane
+        bool reflected, periodic;
     } cases[] = {
-        {"cubic-spline", "f1", 2, 50, SPHV_PLACEMENT_VERTEX, SPHV_JITTER_UNIFORM, 0.12, true, false,
-         0},
-        {"cubic-spline", "f2", 2, 50, SPHV_PLACEMENT_VERTEX, SPHV_JITTER_UNIFORM, 0.05, true, false,
-         0},
-        {"cubic-spline", "f1", 2, 50, SPHV_PLACEMENT_VERTEX, SPHV_JITTER_UNIFORM, 0.14, false,
-         false, 0},
-        {"wendland-c4", "f2", 2, 40, SPHV_PLACEMENT_CELL, SPHV_JITTER_UNIFORM, 0.12, true, false,
-         0},
-        {"cubic-spline", "f1", 2, 36, SPHV_PLACEMENT_VERTEX, SPHV_JITTER_NORMAL, 0.05, true, false,
-         0},
-        {"wendland-c2", "sine", 2, 40, SPHV_PLACEMENT_CELL, SPHV_JITTER_NORMAL, 0.07, false, true,
-         0},
-        {"cubic-spline", "sine", 1, 400, SPHV_PLACEMENT_VERTEX, SPHV_JITTER_UNIFORM, 0.1, true,
-         false, 0},
-        {"cubic-spline", "1 + x*y^2 - z", 3, 7, SPHV_PLACEMENT_VERTEX, SPHV_JITTER_UNIFORM, 0.1,
-         true, false, 0},
-        {"wendland-c4", "f2", 2, 25, SPHV_PLACEMENT_VERTEX, SPHV_JITTER_UNIFORM, 0.2, true, false,
-         7.3},
-        {"quinlan-w10", "sine", 1, 300, SPHV_PLACEMENT_CELL, SPHV_JITTER_NORMAL, 0.1, true, false,
-         8.5},
+        {"cubic-spline", "f1", 2, 50, SPHV_PLACEMENT_VERTEX, SPHV_JITTER_UNIFORM, 0.12, 0, true,
+         false},
+        {"cubic-spline", "f2", 2, 50, SPHV_PLACEMENT_VERTEX, SPHV_JITTER_UNIFORM, 0.05, 0, true,
+         false},
+        {"cubic-spline", "f1", 2, 50, SPHV_PLACEMENT_VERTEX, SPHV_JITTER_UNIFORM, 0.14, 0, false,
+         false},
+        {"wendland-c4", "f2", 2, 40, SPHV_PLACEMENT_CELL, SPHV_JITTER_UNIFORM, 0.12, 0, true,
+         false},
+        {"cubic-spline", "f1", 2, 36, SPHV_PLACEMENT_VERTEX, SPHV_JITTER_NORMAL, 0.05, 0, true,
+         false},
+        {"wendland-c2", "sine", 2, 40, SPHV_PLACEMENT_CELL, SPHV_JITTER_NORMAL, 0.07, 0, false,
+         true},
+        {"cubic-spline", "sine", 1, 400, SPHV_PLACEMENT_VERTEX, SPHV_JITTER_UNIFORM, 0.1, 0, true,
+         false},
+        {"cubic-spline", "1 + x*y^2 - z", 3, 7, SPHV_PLACEMENT_VERTEX, SPHV_JITTER_UNIFORM, 0.1, 0,
+         true, false},
+        {"wendland-c4", "f2", 2, 25, SPHV_PLACEMENT_VERTEX, SPHV_JITTER_UNIFORM, 0.2, 7.3, true,
+         false},
+        {"quinlan-w10", "sine", 1, 300, SPHV_PLACEMENT_CELL, SPHV_JITTER_NORMAL, 0.1, 8.5, true,
+         false},
     };
     sphv_error error;
     random_start("perturbed boxes");
     for (size_t i = 0; i < (quick() ? 1 : sizeof cases / sizeof *cases); i++) {
-        int d = cases[i].dimension;
+        int d = (int)cases[i].dimension;
         sphv_kernel *kernel = load_kernel(cases[i].kernel);
         struct trial trial = {.box = {.dimension = d,
                                       .side = quick() ? 12 : cases[i].side,
@@ -229,11 +228,11 @@ static void test_rules(void **state)
         {"cubic-spline", "f1", SPHV_SPH_DIFFERENCE, SPHV_PLACEMENT_CELL},
     };
     sphv_error error;
-    int told = 0;
     for (size_t i = 0; i < (quick() ? 1 : sizeof cases / sizeof *cases); i++) {
         sphv_kernel *kernel = load_kernel(cases[i].kernel);
         const sphv_profile *profile = sphv_kernel_profile(kernel, 2);
         sphv_box_prediction rules, every, lattice;
+        int told = 0;
         sphv_field field;
         sphv_box box = {.dimension = 2,
                         .side = 16,
@@ -257,15 +256,15 @@ static void test_rules(void **state)
         for (size_t q = 0; q < every.quantities; q++) {
             double bound = rules.rmse[q].bound + every.rmse[q].bound;
             assert_close(rules.rmse[q].value, every.rmse[q].value, bound);
-            // What perturbations change must not hide within the bounds.
             if (fabs(lattice.rmse[q].value - every.rmse[q].value) > bound) told++;
             if (isfinite(rules.interior[q].value))
                 assert_close(rules.interior[q].value, every.interior[q].value,
                              rules.interior[q].bound + every.interior[q].bound);
         }
+        // What perturbations change must not hide within the bounds.
+        assert_true(told >= 1);
         sphv_kernel_free(kernel);
     }
-    assert_true(told >= (quick() ? 1 : 8));
 }
 
 static void test_refusals(void **state)
