@@ -1,162 +1,8 @@
 #include <gsl/gsl_math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "boundary_jitter.h"
 #include "boundary_particle.h"
-
-enum { N = SPHV_QUANTITIES_MAX };
-
-/// Σ weight (e², bound², 1) of all and of interior particles.
-struct norms {
-    double square[2][N], bound[2][N], count[2];
-    double margin[3][N]; ///< Σ weight P(1 − P) e^(2n), P the probability of being interior
-    double excluded;
-};
-
-static void add_errors(const sphv_particle_errors *errors, int quantities, double weight,
-                       double inside, struct norms *to)
-{
-    for (int part = 0; part < (inside > 0 ? 2 : 1); part++) {
-        if (part == 1) weight *= inside;
-        to->count[part] += weight;
-        for (int q = 0; q < quantities; q++) {
-            to->square[part][q] += weight * gsl_pow_2(errors->value[q]);
-            to->bound[part][q] += weight * gsl_pow_2(errors->bound[q]);
-        }
-    }
-    // In the interior or not: what the chance of it adds to the variance of sums.
-    for (int q = 0; q < quantities && inside > 0 && inside < 1; q++)
-        for (int n = 0; n < 3; n++)
-            to->margin[n][q] += weight * (1 - inside) * gsl_pow_int(errors->value[q], 2 * n);
-}
-
-/// What a particle adds for every method.
-static void add_particle(sphv_box_theory *theory, const sphv_line *const *line, struct norms *to)
-{
-    double x[SPHV_DIMENSIONS] = {0}, weight = 1, inside = 1;
-    int below[SPHV_DIMENSIONS], above[SPHV_DIMENSIONS];
-    sphv_particle_errors errors;
-    for (int i = 0; i < theory->d; i++) {
-        x[i] = line[i]->x;
-        weight *= line[i]->weight;
-        below[i] = line[i]->below;
-        above[i] = line[i]->above;
-        inside *= line[i]->inside;
-    }
-    sphv_theory_cut(theory, below, above);
-    if (!line[0]->singular) sphv_theory_take_derivatives(theory, line);
-    for (size_t m = 0; m < theory->count; m++) {
-        const sphv_method_theory *of = &theory->of[m];
-        if (!(of->shape.condition <= 1 / sqrt(DBL_EPSILON))) {
-            to[m].excluded += weight;
-            continue;
-        }
-        if (line[0]->singular)
-            sphv_singular_errors(theory, of, line, x, &errors);
-        else
-            sphv_series_errors(theory, of, &errors);
-        add_errors(&errors, of->quantities, weight, inside, &to[m]);
-    }
-}
-
-static void add_all(sphv_box_theory *theory, const sphv_lines lines[SPHV_DIMENSIONS],
-                    struct norms *to)
-{
-    const sphv_line *at[SPHV_DIMENSIONS] = {0};
-    int counts[SPHV_DIMENSIONS] = {1, 1, 1};
-    double reach = theory->h * theory->profile->support, tail[SPHV_TAIL];
-    for (int i = 0; i < theory->d; i++) counts[i] = lines[i].count;
-    for (int i = 0; i < counts[0]; i++) {
-        at[0] = &lines[0].line[i];
-        bool singular = at[0]->singular;
-        if (singular) sphv_theory_take_line(theory, at[0]);
-        sphv_taylor_tail(theory->field.field, singular, singular ? 0 : at[0]->x, reach, tail);
-        for (size_t m = 0; m < theory->count; m++) {
-            sphv_method_theory *of = &theory->of[m];
-            if (singular)
-                of->rest_tail = tail[of->rest_degree];
-            else
-                of->tail = tail[of->degree];
-        }
-        for (int j = 0; j < counts[1]; j++)
-            for (int k = 0; k < counts[2]; k++) {
-                if (theory->d > 1) at[1] = &lines[1].line[j];
-                if (theory->d > 2) at[2] = &lines[2].line[k];
-                add_particle(theory, at, to);
-            }
-    }
-}
-
-/// Scaled derivatives of every term's factor at every line of one coordinate. \param out receives
-/// memory to be freed
-static bool take_factors(const sphv_box_theory *theory, int coordinate, sphv_lines *lines,
-                         double **out)
-{
-    const sphv_field *field = theory->field.field;
-    int orders = theory->degree + 1;
-    double *at = *out =
-        calloc((size_t)lines->count * (size_t)field->terms * (size_t)orders, sizeof *at);
-    if (!at) return false;
-    for (int j = 0; j < lines->count; j++) {
-        sphv_line *line = &lines->line[j];
-        line->factor = at;
-        for (int t = 0; t < field->terms; t++, at += orders) {
-            sphv_field alone = *field;
-            double x[SPHV_DIMENSIONS] = {0}, scale = 1;
-            if (coordinate == 0 && line->singular) continue;
-            alone.terms = 1;
-            alone.term[0] = field->term[t];
-            alone.term[0].coefficient = 1;
-            for (int i = 0; i < theory->d; i++)
-                if (i != coordinate)
-                    alone.term[0].factor[i] = (sphv_factor){SPHV_FACTOR_POWER, 0, 0};
-            x[coordinate] = line->x;
-            for (int n = 0; n < orders; n++, scale *= theory->h) {
-                int order[SPHV_DIMENSIONS] = {0};
-                order[coordinate] = n;
-                at[n] = scale * sphv_field_derivative(&alone, order, x);
-            }
-        }
-    }
-    return true;
-}
-
-/// Sums over the box with panels of `order` nodes.
-static sphv_status sum_box(sphv_box_theory *theory, const sphv_box *box, int order,
-                           struct norms *to, bool *exhaustive, sphv_error *error)
-{
-    sphv_lines lines[SPHV_DIMENSIONS] = {{0}};
-    double *factors[SPHV_DIMENSIONS] = {0};
-    sphv_status status = SPHV_OK;
-    memset(to, 0, theory->count * sizeof *to);
-    *exhaustive = true;
-    for (int i = 0; i < theory->d && status == SPHV_OK; i++) {
-        sphv_side side = {.count = box->side,
-                          .spacing = sphv_box_spacing(box),
-                          .offset = box->placement == SPHV_PLACEMENT_CELL ? 0.5 : 0,
-                          .reach = theory->octants->reach,
-                          .periodic = box->periodic,
-                          .margin = theory->h * theory->profile->support,
-                          .amplitude = box->amplitude,
-                          .jitter = box->jitter,
-                          .singular_until = -1};
-        if (i == 0 && theory->field.singular) side.singular_until = 2 * side.margin;
-        // On panels that double in length rules converge like 5.8^(−2 order).
-        status = sphv_lines_make(&side, side.singular_until > 0 ? order / 2 : order, order,
-                                 &lines[i], error);
-        if (status == SPHV_OK && !take_factors(theory, i, &lines[i], &factors[i]))
-            status =
-                sphv_fail(error, SPHV_RESOURCE_FAILURE, "not enough memory for a box's theory");
-        *exhaustive = *exhaustive && lines[i].exhaustive;
-    }
-    if (status == SPHV_OK) add_all(theory, lines, to);
-    for (int i = 0; i < SPHV_DIMENSIONS; i++) {
-        free(factors[i]);
-        sphv_lines_free(&lines[i]);
-    }
-    return status;
-}
 
 static double volume_ratio(const sphv_box *box)
 {
@@ -232,61 +78,6 @@ static int add_method(sphv_box_theory *theory, sphv_method method)
     return of->degree + shape_degree;
 }
 
-static void finish(const struct norms *fine, const struct norms *coarse, int part, int quantity,
-                   sphv_result *out)
-{
-    double count = fine->count[part];
-    *out = (sphv_result){0, 0};
-    if (!(count > 0)) return;
-    out->value = sqrt(fine->square[part][quantity] / count);
-    // The norm of the bounds bounds the norm's error; the nodes' by a coarser rule, and rounding.
-    out->bound = sqrt(fine->bound[part][quantity] / count) +
-                 fabs(out->value - sqrt(coarse->square[part][quantity] / coarse->count[part])) +
-                 64 * SPHV_U * out->value;
-}
-
-/// Standard deviation of the interior's norm that comes from particles at its margin.
-static double margin_scatter(const struct norms *from, int quantity, double norm)
-{
-    if (!(norm > 0)) return 0;
-    double square = norm * norm, sum = from->margin[2][quantity];
-    sum += square * (square * from->margin[0][quantity] - 2 * from->margin[1][quantity]);
-    return sqrt(fmax(0, sum)) / from->count[1] / (2 * norm);
-}
-
-static void conclude(const sphv_method_theory *of, bool narrow, const struct norms *fine,
-                     const struct norms *coarse, sphv_box_prediction *out)
-{
-    out->quantities = (size_t)of->quantities;
-    out->excluded = fine->excluded;
-    for (int q = 0; q < of->quantities; q++) {
-        finish(fine, coarse, 0, q, &out->rmse[q]);
-        finish(fine, coarse, 1, q, &out->interior[q]);
-        out->exists[q] = fine->count[0] > 0 && isfinite(out->rmse[q].value);
-        out->interior_scatter[q] = margin_scatter(fine, q, out->interior[q].value);
-    }
-    out->rigour = narrow ? SPHV_RIGOUR_ASYMPTOTIC : SPHV_RIGOUR_EXACT;
-}
-
-static sphv_status predict(sphv_box_theory *theory, const sphv_box *box,
-                           sphv_box_prediction *const *out, sphv_error *error)
-{
-    bool exhaustive = true;
-    struct norms *fine = calloc(2 * theory->count, sizeof *fine), *coarse = fine;
-    sphv_status status = sphv_theory_start(theory, error);
-    if (!fine) status = sphv_fail(error, SPHV_RESOURCE_FAILURE, "not enough memory for norms");
-    if (status == SPHV_OK) status = sum_box(theory, box, SPHV_SUM_RULE, fine, &exhaustive, error);
-    if (status == SPHV_OK && !exhaustive) {
-        coarse = fine + theory->count;
-        status = sum_box(theory, box, 3 * SPHV_SUM_RULE / 4, coarse, &exhaustive, error);
-    }
-    for (size_t m = 0; m < theory->count && status == SPHV_OK; m++)
-        conclude(&theory->of[m], theory->field.narrow, &fine[m], &coarse[m], out[m]);
-    sphv_theory_end(theory);
-    free(fine);
-    return status;
-}
-
 /// Predictions of methods that have a theory, from the moments they share.
 static sphv_status predict_group(sphv_box_theory *theory, const sphv_box *box,
                                  sphv_moment_source source, int degree,
@@ -298,32 +89,41 @@ static sphv_status predict_group(sphv_box_theory *theory, const sphv_box *box,
                                            nodes, degree, &octants, error);
     if (status != SPHV_OK) return status;
     theory->octants = &octants;
-    status = predict(theory, box, out, error);
+    status = sphv_theory_predict(theory, box, out, error);
     theory->octants = NULL;
     sphv_octants_free(&octants);
     return status;
 }
 
-static sphv_status predict_methods(const sphv_box *box, const sphv_profile *profile, double h,
-                                   size_t count, const sphv_method *methods,
-                                   const sphv_field *field, sphv_moment_source source,
-                                   sphv_box_prediction *out, sphv_error *error)
+/// What is asked for, but for the methods.
+struct question {
+    const sphv_box *box;
+    const sphv_profile *profile;
+    double h;
+    const sphv_field *field;
+    sphv_moment_source source;
+};
+
+static sphv_status predict_alike(const struct question *of, size_t count,
+                                 const sphv_method *methods, sphv_box_prediction *const *out,
+                                 sphv_error *error)
 {
+    const sphv_box *box = of->box;
     sphv_box_theory theory = {
-        .profile = profile, .d = box->dimension, .h = h, .volume = volume_ratio(box)};
+        .profile = of->profile, .d = box->dimension, .h = of->h, .volume = volume_ratio(box)};
     sphv_box_prediction *to[SPHV_BOX_METHODS_MAX];
     sphv_jitter_group *jitter = NULL;
     int degree = 0;
-    sphv_status status = sphv_field_theory_make(field, &theory.field, error), last = SPHV_OK;
+    sphv_status status = sphv_field_theory_make(of->field, &theory.field, error), last = SPHV_OK;
     if (status == SPHV_OK && box->amplitude > 0 && !(jitter = malloc(sizeof *jitter)))
         status = sphv_fail(error, SPHV_RESOURCE_FAILURE, "not enough memory for a box's theory");
     if (status != SPHV_OK) return status;
     if (jitter)
-        sphv_jitter_start(box, profile, h, theory.volume, source == SPHV_MOMENTS_EVERY, field,
-                          jitter);
+        sphv_jitter_start(box, of->profile, of->h, theory.volume, of->source == SPHV_MOMENTS_EVERY,
+                          of->field, jitter);
     for (size_t m = 0; m < count; m++) {
         if (jitter && (last = sphv_jitter_add(jitter, methods[m], error)) != SPHV_OK) continue;
-        to[theory.count] = &out[m];
+        to[theory.count] = out[m];
         degree = (int)fmax(degree, add_method(&theory, methods[m]));
     }
     if (theory.count == 0)
@@ -331,10 +131,47 @@ static sphv_status predict_methods(const sphv_box *box, const sphv_profile *prof
     else if (jitter && !jitter->cloud.wide)
         status = sphv_predict_jitter(jitter, &theory.field, to, error);
     else
-        status = predict_group(&theory, box, source, degree, to, error);
+        status = predict_group(&theory, box, of->source, degree, to, error);
     if (status == SPHV_OK && jitter && jitter->cloud.wide && theory.count > 0)
         status = sphv_widen_jitter(jitter, to, error);
     free(jitter);
+    return status;
+}
+
+/// Bonet and Lok's value is Shepard's and their gradient, whatever the particles, that of `fpm`.
+static sphv_status predict_bonet_lok(const struct question *of, sphv_box_prediction *out,
+                                     sphv_error *error)
+{
+    static const sphv_method methods[] = {SPHV_FPM, SPHV_SHEPARD};
+    sphv_box_prediction value = {0}, *const both[] = {out, &value};
+    sphv_status status = predict_alike(of, 2, methods, both, error);
+    if (status != SPHV_OK) return status;
+    out->rmse[0] = value.rmse[0];
+    out->interior[0] = value.interior[0];
+    out->scatter[0] = value.scatter[0];
+    out->interior_scatter[0] = value.interior_scatter[0];
+    out->exists[0] = value.exists[0];
+    return SPHV_OK;
+}
+
+/// \return SPHV_NO_CLOSED_FORM where there is one for none of the methods
+static sphv_status predict_methods(const struct question *of, size_t count,
+                                   const sphv_method *methods, sphv_box_prediction *out,
+                                   sphv_error *error)
+{
+    sphv_method alike[SPHV_BOX_METHODS_MAX];
+    sphv_box_prediction *to[SPHV_BOX_METHODS_MAX];
+    size_t others = 0;
+    sphv_status status = SPHV_OK;
+    for (size_t m = 0; m < count && status == SPHV_OK; m++) {
+        if (of->box->amplitude > 0 && methods[m] == SPHV_BONET_LOK) {
+            status = predict_bonet_lok(of, &out[m], error);
+        } else {
+            to[others] = &out[m];
+            alike[others++] = methods[m];
+        }
+    }
+    if (status == SPHV_OK && others > 0) status = predict_alike(of, others, alike, to, error);
     return status;
 }
 
@@ -346,7 +183,8 @@ sphv_status sphv_predict_box_from(const sphv_box *box, const sphv_profile *profi
     *out = (sphv_box_prediction){0};
     sphv_status status = check(box, profile, h, method, field, error);
     if (status != SPHV_OK) return status;
-    return predict_methods(box, profile, h, 1, &method, field, source, out, error);
+    struct question question = {box, profile, h, field, source};
+    return predict_methods(&question, 1, &method, out, error);
 }
 
 sphv_status sphv_predict_box(const sphv_box *box, const sphv_profile *profile, double h,
@@ -368,9 +206,8 @@ sphv_status sphv_predict_box_methods(const sphv_box *box, const sphv_profile *pr
     for (size_t m = 0; m < count; m++) out[m] = (sphv_box_prediction){0};
     for (size_t m = 0; m < count && status == SPHV_OK; m++)
         status = check(box, profile, h, methods[m], field, error);
-    if (status == SPHV_OK)
-        status = predict_methods(box, profile, h, count, methods, field, SPHV_MOMENTS_LATTICE, out,
-                                 error);
+    struct question question = {box, profile, h, field, SPHV_MOMENTS_LATTICE};
+    if (status == SPHV_OK) status = predict_methods(&question, count, methods, out, error);
     // Together they may need moments of so high a degree that there are too many.
     for (size_t m = 0; m < count && count > 1 && status == SPHV_NO_CLOSED_FORM; m++) {
         sphv_status one = sphv_predict_box(box, profile, h, methods[m], field, &out[m], error);

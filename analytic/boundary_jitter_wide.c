@@ -235,7 +235,7 @@ static double deviation_of(const sphv_jitter_cloud *of, const struct changes *fr
                            size_t q)
 {
     static const double ball[] = {2, M_PI};
-    double spacings = 2 * of->profile->support / of->ds;
+    double spacings = of->profile->support / of->ds;
     double related = fmin(1, ball[of->d - 1] * gsl_pow_int(spacings, of->d) / from->count[part]);
     double shared = related * (4 * from->shared[0][part][q] + 2 * from->shared[1][part][q]);
     double own = (4 * from->own[0][part][q] + 2 * from->own[1][part][q]) / from->count[part];

@@ -1,5 +1,5 @@
 /// \file boundary_particle.h
-/// The errors of one particle of a box.
+/// The errors of one particle of a box, and norms over them.
 #ifndef SPHVERIFY_ANALYTIC_BOUNDARY_PARTICLE_H
 #define SPHVERIFY_ANALYTIC_BOUNDARY_PARTICLE_H
 
@@ -67,5 +67,9 @@ void sphv_series_errors(const sphv_box_theory *theory, const sphv_method_theory 
                         sphv_particle_errors *out);
 void sphv_singular_errors(const sphv_box_theory *theory, const sphv_method_theory *of,
                           const sphv_line *const *line, const double *x, sphv_particle_errors *out);
+
+/// Norms over the particles of a lattice. \param out  of each method
+sphv_status sphv_theory_predict(sphv_box_theory *theory, const sphv_box *box,
+                                sphv_box_prediction *const *out, sphv_error *error) SPHV_MUST_CHECK;
 
 #endif

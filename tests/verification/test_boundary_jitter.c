@@ -9,7 +9,7 @@
 #include "support.h"
 
 static const sphv_method methods[] = {
-    SPHV_SPH, SPHV_SPH_DIFFERENCE, SPHV_SHEPARD, SPHV_CSPM, SPHV_FPM, SPHV_MSPH};
+    SPHV_SPH, SPHV_SPH_DIFFERENCE, SPHV_SHEPARD, SPHV_BONET_LOK, SPHV_CSPM, SPHV_FPM, SPHV_MSPH};
 enum { METHODS = sizeof methods / sizeof *methods, REALISATIONS = 5, PARTS = 2 };
 
 /// One experiment.
