@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "../internal.h"
+#include "half_tiles.h"
 #include "memory.h"
 #include "sorted.h"
 
@@ -11,7 +12,8 @@
 struct half {
     sphv_sorted sorted;
     sphv_half_pass_function *pass;
-    size_t tile;                     ///< targets that the pass takes together
+    sphv_half_tiles tiles;
+    size_t size;                     ///< of a tile: targets that the pass takes together
     size_t count;                    ///< particles
     size_t sums;                     ///< of a pass
     size_t room;                     ///< in a row's scratch
@@ -23,9 +25,9 @@ struct half {
 };
 
 /// What one thread needs.
-struct visit {
+struct visits {
     sphv_half_pass pass;
-    sphv_half_tile *tile;
+    sphv_half_visit *visit;
     double tested;
 };
 
@@ -57,6 +59,7 @@ static void half_free(struct half *half)
     free(half->total);
     free(half->number);
     free(half->depth);
+    sphv_half_tiles_free(&half->tiles);
     sphv_sorted_free(&half->sorted);
 }
 
@@ -74,12 +77,12 @@ static sphv_status half_make(struct half *half, const sphv_evaluation *evaluatio
     *half = (struct half){.count = evaluation->particles->count,
                           .sums = (size_t)(layout->count - layout->size_at - 3)};
     // Thick rows make long runs of sources, thin ones few that are not neighbours.
-    double thickness = 2 + sphv_mean_reach(evaluation) / 12;
+    double thickness = 2 + sphv_mean_reach(evaluation) / (getenv("TT") ? atof(getenv("TT")) : 12);
     sphv_status status = sphv_sorted_make(&half->sorted, evaluation, thickness, error);
     if (status != SPHV_OK) return status;
     const sphv_cell_grid *grid = &half->sorted.grid;
     half->pass = set->choose_half(layout->dimension, (int)half->sorted.fields, &half->sorted.radial,
-                                  &half->tile);
+                                  &half->size);
     for (size_t r = 0; r < grid->cells[1] * grid->cells[2]; r++) {
         size_t length = row_begin(grid, r + 1) - row_begin(grid, r);
         if (length > half->room) half->room = length;
@@ -89,7 +92,8 @@ static sphv_status half_make(struct half *half, const sphv_evaluation *evaluatio
     half->number = sphv_array(half->count, sizeof(double));
     half->depth = sphv_array(half->count, sizeof(double));
     bool finite = false;
-    bool enough = half->total && half->number && half->depth && make_fields(half, &finite);
+    bool enough = half->total && half->number && half->depth && make_fields(half, &finite) &&
+                  sphv_half_tiles_make(&half->tiles, grid, half->size);
     if (enough && finite && half->pass) return SPHV_OK;
     half_free(half);
     if (enough)
@@ -99,65 +103,58 @@ static sphv_status half_make(struct half *half, const sphv_evaluation *evaluatio
                      evaluation->particles->count);
 }
 
-static bool visit_make(struct visit *visit, const struct half *half)
+static bool visits_make(struct visits *visits, const struct half *half)
 {
     const sphv_sorted *sorted = &half->sorted;
-    *visit = (struct visit){
+    *visits = (struct visits){
         .pass = {.radial = &sorted->radial,
                  .sources = {.v = sorted->v, .field = {half->field[0], half->field[1]}},
                  .total = half->total,
                  .stride = half->count,
                  .room = half->room}};
-    for (int i = 0; i < SPHV_DIMENSIONS; i++) visit->pass.sources.x[i] = sorted->grid.x[i];
-    visit->pass.row = sphv_array(half->room * half->sums, sizeof(double));
-    visit->pass.met = sphv_array(half->room, sizeof(double));
-    visit->pass.sure = calloc(half->room + 1, sizeof(double));
-    visit->pass.neighbours = malloc(half->room * sizeof(double));
-    visit->tile = malloc(half->room * sizeof *visit->tile);
-    visit->pass.tile = visit->tile;
-    return visit->pass.row && visit->pass.met && visit->pass.sure && visit->pass.neighbours &&
-           visit->tile;
+    for (int i = 0; i < SPHV_DIMENSIONS; i++) visits->pass.sources.x[i] = sorted->grid.x[i];
+    visits->pass.row = sphv_array(half->room * half->sums, sizeof(double));
+    visits->pass.met = sphv_array(half->room, sizeof(double));
+    visits->pass.sure = calloc(half->room + 1, sizeof(double));
+    visits->pass.neighbours = malloc(half->room * sizeof(double));
+    visits->visit = malloc(half->room * sizeof *visits->visit);
+    visits->pass.visit = visits->visit;
+    return visits->pass.row && visits->pass.met && visits->pass.sure && visits->pass.neighbours &&
+           visits->visit;
 }
 
-static void visit_free(struct visit *visit)
+static void visits_free(struct visits *visits)
 {
-    free(visit->pass.row);
-    free(visit->pass.met);
-    free(visit->pass.sure);
-    free(visit->pass.neighbours);
-    free(visit->tile);
+    free(visits->pass.row);
+    free(visits->pass.met);
+    free(visits->pass.sure);
+    free(visits->pass.neighbours);
+    free(visits->visit);
 }
 
 /// Lists the tiles of a row that have sources in another, or later ones in their own.
 /// \param end receives the end of the sources that are met. \return their begin
-static size_t list_tiles(const struct half *half, struct visit *visit, size_t row, size_t other,
-                         size_t *end)
+static size_t list_visits(const struct half *half, struct visits *visits, size_t row, size_t other,
+                          size_t *end)
 {
     const sphv_cell_grid *grid = &half->sorted.grid;
-    size_t begin = row_begin(grid, other + 1), row_end = row_begin(grid, row + 1);
+    size_t begin = row_begin(grid, other + 1);
     *end = row_begin(grid, other);
-    visit->pass.count = 0;
-    for (size_t a = row_begin(grid, row); a < row_end; a += half->tile) {
-        sphv_half_tile tile = {.first = a, .count = half->tile, .own = row == other};
-        double low[SPHV_DIMENSIONS] = {0, 0, 0}, high[SPHV_DIMENSIONS] = {0, 0, 0};
-        sphv_range *range = &tile.range;
-        if (row_end - a < half->tile) tile.count = row_end - a;
-        for (int i = 0; i < grid->dimension; i++) {
-            low[i] = high[i] = grid->x[i][a];
-            for (size_t t = 1; t < tile.count; t++) {
-                double x = grid->x[i][a + t];
-                low[i] = x < low[i] ? x : low[i];
-                high[i] = x > high[i] ? x : high[i];
-            }
-        }
-        if (!sphv_cell_grid_range(grid, other, low, high, half->sorted.radial.limit, range))
+    visits->pass.count = 0;
+    for (size_t i = half->tiles.row[row]; i < half->tiles.row[row + 1]; i++) {
+        const sphv_half_tile *tile = &half->tiles.tile[i];
+        sphv_half_visit visit = {.tile = tile, .own = row == other};
+        sphv_range *range = &visit.range;
+        if (!sphv_cell_grid_range(grid, other, tile->low, tile->high, half->sorted.radial.limit,
+                                  range))
             continue;
-        size_t behind = a + (tile.count < half->tile ? half->count : half->tile);
-        if (tile.own && range->from <= a) range->from = a + 1;
-        if ((tile.own || tile.count < half->tile) && range->sure < behind) range->sure = behind;
+        if (visit.own && range->from <= tile->first) range->from = tile->first + 1;
+        if (visit.own && range->sure <= tile->last) range->sure = tile->last + 1;
+        if (tile->count < half->size || range->sure > range->sure_to)
+            range->sure = range->sure_to = range->from;
         if (range->from >= range->to) continue;
-        visit->tile[visit->pass.count++] = tile;
-        visit->tested += 2 * (double)(tile.count * (range->to - range->from));
+        visits->visit[visits->pass.count++] = visit;
+        visits->tested += 2 * (double)(tile->count * (range->to - range->from));
         if (range->from < begin) begin = range->from;
         if (range->to > *end) *end = range->to;
     }
@@ -171,10 +168,10 @@ static void count_met(struct half *half, size_t b, double neighbours)
 }
 
 /// All pairs of two rows, or of one.
-static void visit_rows(struct half *half, struct visit *visit, size_t row, size_t other)
+static void visit_rows(struct half *half, struct visits *visits, size_t row, size_t other)
 {
-    sphv_half_pass *pass = &visit->pass;
-    size_t end, begin = list_tiles(half, visit, row, other, &end);
+    sphv_half_pass *pass = &visits->pass;
+    size_t end, begin = list_visits(half, visits, row, other, &end);
     if (!pass->count) return;
     // Vectors begin where lines of the cache do; sources before `begin` belong to another row.
     size_t skip = begin % SPHV_LANES_MAX, met = end - begin;
@@ -182,8 +179,8 @@ static void visit_rows(struct half *half, struct visit *visit, size_t row, size_
     pass->first_target = row_begin(&half->sorted.grid, row);
     half->pass(pass);
     for (size_t i = 0; i < pass->count; i++)
-        for (size_t t = 0; t < visit->tile[i].count; t++) {
-            size_t a = visit->tile[i].first + t;
+        for (size_t t = 0; t < pass->visit[i].tile->count; t++) {
+            size_t a = pass->visit[i].tile->target[t];
             count_met(half, a, pass->neighbours[a - pass->first_target]);
         }
     for (size_t k = 0; k < half->sums; k++) {
@@ -212,7 +209,7 @@ static long reach(const sphv_cell_grid *grid, int axis, double limit)
 }
 
 /// Visits the pairs of rows that are an offset apart, those in the columns of one colour.
-static void visit_offset(struct half *half, struct visit *visit, struct offset offset, int colour)
+static void visit_offset(struct half *half, struct visits *visits, struct offset offset, int colour)
 {
     const sphv_cell_grid *grid = &half->sorted.grid;
     long rows_y = (long)grid->cells[1], rows = rows_y * (long)grid->cells[2];
@@ -223,16 +220,16 @@ static void visit_offset(struct half *half, struct visit *visit, struct offset o
         bool inside =
             y + offset.y >= 0 && y + offset.y < rows_y && (row + offset.z * rows_y) < rows;
         if (!inside || turn % 2 != colour) continue;
-        if (visit)
-            visit_rows(half, visit, (size_t)row, (size_t)(row + offset.y + offset.z * rows_y));
+        if (visits)
+            visit_rows(half, visits, (size_t)row, (size_t)(row + offset.y + offset.z * rows_y));
         sphv_evaluation_advance(half->sorted.evaluation, &half->done, half->steps);
     }
 }
 
 /// Takes the sums of a block of particles over, scaled and with what each adds to its own.
-/// \param visits that added to a particle's sums at most
+/// \param additions that a particle's sums went through beyond those of one visit
 static void finish_block(const struct half *half, sphv_worker *worker, size_t first, size_t count,
-                         double visits)
+                         double additions)
 {
     const sphv_sorted *sorted = &half->sorted;
     const sphv_sum_layout *layout = &sorted->evaluation->layout;
@@ -251,7 +248,7 @@ static void finish_block(const struct half *half, sphv_worker *worker, size_t fi
     }
     for (size_t i = 0; i < count; i++) {
         double neighbours = half->number[first + i] + 1; // itself
-        sphv_sorted_bound(sorted, worker, i, 1, &neighbours, half->depth[first + i] + visits);
+        sphv_sorted_bound(sorted, worker, i, 1, &neighbours, half->depth[first + i] + additions);
         worker->particle[i] = sorted->grid.particle[first + i];
     }
     worker->tested += (double)count; // each itself
@@ -269,12 +266,12 @@ sphv_status sphv_evaluate_half_pairs(const sphv_evaluation *evaluation, sphv_err
     size_t blocks = (half.count + SPHV_BLOCK - 1) / SPHV_BLOCK;
     half.steps = 1 + rows * (size_t)((most_y + 1) + most_z * (2 * most_y + 1)) + blocks;
     // A particle is target and source once each, and then the lanes of a vector are added.
-    double visits = 2.0 * (double)((most_y + 1) + most_z * (2 * most_y + 1)) + SPHV_LANES_MAX;
+    double additions = 2.0 * (double)((most_y + 1) + most_z * (2 * most_y + 1)) + SPHV_LANES_MAX;
 #pragma omp parallel if (half.count > SPHV_BLOCK)
     {
-        struct visit visit;
+        struct visits visits;
         sphv_worker worker;
-        bool ready = visit_make(&visit, &half);
+        bool ready = visits_make(&visits, &half);
         ready = sphv_worker_make(&worker, evaluation) == SPHV_OK && ready;
         if (!ready) {
 #pragma omp critical(sphv_half_pairs)
@@ -283,17 +280,17 @@ sphv_status sphv_evaluate_half_pairs(const sphv_evaluation *evaluation, sphv_err
         for (long z = 0; z <= most_z; z++)
             for (long y = z ? -most_y : 0; y <= most_y; y++)
                 for (int colour = 0; colour < (y || z ? 2 : 1); colour++)
-                    visit_offset(&half, ready ? &visit : NULL, (struct offset){y, z}, colour);
+                    visit_offset(&half, ready ? &visits : NULL, (struct offset){y, z}, colour);
 #pragma omp for schedule(dynamic)
         for (size_t block = 0; block < blocks; block++) {
             size_t first = block * SPHV_BLOCK;
             size_t count = half.count - first < SPHV_BLOCK ? half.count - first : SPHV_BLOCK;
-            if (ready) finish_block(&half, &worker, first, count, visits);
+            if (ready) finish_block(&half, &worker, first, count, additions);
             if (ready) sphv_worker_finish_block(&worker, first, count);
             sphv_evaluation_advance(evaluation, &half.done, half.steps);
         }
-        worker.tested += visit.tested;
-        visit_free(&visit);
+        worker.tested += visits.tested;
+        visits_free(&visits);
 #pragma omp critical(sphv_half_pairs)
         sphv_worker_free(&worker);
     }

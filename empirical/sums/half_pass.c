@@ -130,14 +130,14 @@ SPHV_INLINE void add_tile(const half_plan of, sphv_half_pass *pass, const sphv_r
 
 /// The targets of a tile. Places that no target is left for meet nobody.
 SPHV_INLINE void load_tile(const half_plan of, const sphv_sources *sources,
-                           const sphv_half_tile *tile, target *to)
+                           const sphv_half_visit *visit, target *to)
 {
     for (size_t t = 0; t < (size_t)of.tile; t++) {
-        const bool real = t < tile->count;
-        const size_t a = tile->first + (real ? t : 0);
+        const bool real = t < visit->tile->count;
+        const size_t a = visit->tile->target[real ? t : 0];
         for (int i = 0; i < of.dimension; i++) to[t].x[i] = sources->x[i][a];
         for (int f = 0; f < of.fields; f++) to[t].field[f] = sources->field[f][a];
-        to[t].begin = !real ? SIZE_MAX : tile->own ? a + 1 : 0;
+        to[t].begin = !real ? SIZE_MAX : visit->own ? a + 1 : 0;
     }
 }
 
@@ -155,13 +155,14 @@ SPHV_INLINE void run(sphv_half_pass *pass, const int dimension, const int fields
     copy_known(&copy, pass->radial, known);
     const sphv_radial *radial = known.knots > 0 ? &copy : pass->radial;
     for (size_t i = 0; i < pass->count; i++) {
-        const sphv_half_tile *tile = &pass->tile[i];
-        const sphv_range range = tile->range;
-        const bool each = tile->own || tile->count < size;
+        const sphv_half_visit *visit = &pass->visit[i];
+        const sphv_half_tile *tile = visit->tile;
+        const sphv_range range = visit->range;
+        const bool each = visit->own || tile->count < size;
         target to[AT_ONCE];
         prepared ahead[2][AT_ONCE];
         vec sum[AT_ONCE * SPHV_HALF_SUMS], neighbours[AT_ONCE];
-        load_tile(of, sources, tile, to);
+        load_tile(of, sources, visit, to);
         UNROLL for (int t = 0; t < of.tile; t++) neighbours[t] = v_set(0);
         UNROLL for (int k = 0; k < of.tile * count; k++) sum[k] = v_set(0);
         size_t b = range.from / LANES * LANES, sure = 0;
@@ -192,8 +193,8 @@ SPHV_INLINE void run(sphv_half_pass *pass, const int dimension, const int fields
         }
         UNROLL for (int t = 0; t < of.tile; t++)
         {
-            const size_t a = tile->first + (size_t)t;
             if ((size_t)t == tile->count) break;
+            const size_t a = tile->target[t];
             UNROLL for (int k = 0; k < count; k++) pass->total[(size_t)k * pass->stride + a] +=
                 v_total(sum[t * count + k]);
             pass->neighbours[a - pass->first_target] = v_total(neighbours[t]) + (double)sure;
@@ -208,8 +209,12 @@ SPHV_INLINE void run(sphv_half_pass *pass, const int dimension, const int fields
     }
 #define ROW(d, fields, name) {d, fields, {SHAPE_##name}, pass_##d##_##fields##_##name},
 
+#if defined(__x86_64__) && !defined(__AVX2__)
+#define SHAPES(X, d, fields) X(d, fields, ANY)
+#else
 #define SHAPES(X, d, fields)                                                                       \
     X(d, fields, C2) X(d, fields, C4) X(d, fields, C6) X(d, fields, CUBIC) X(d, fields, ANY)
+#endif
 #define EVERY(X) SHAPES(X, 2, 1) SHAPES(X, 2, 2) SHAPES(X, 3, 1) SHAPES(X, 3, 2)
 
 EVERY(PASS)

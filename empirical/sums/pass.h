@@ -6,6 +6,8 @@
 #ifndef SPHVERIFY_EMPIRICAL_PASS_H
 #define SPHVERIFY_EMPIRICAL_PASS_H
 
+#include <stdint.h>
+
 #include "radial.h"
 
 enum {
@@ -13,6 +15,7 @@ enum {
     SPHV_PASS_FIELDS = 2, ///< fields in one pass
     SPHV_PASS_PART = 256, ///< longest run of sources summed plainly; longer ones in parts
     SPHV_PASS_SUMS = 256, ///< of one pass: moments, sizes, field sums
+    SPHV_HALF_TILE = 4,   ///< targets at most that meet a vector of sources together
     SPHV_SPARE = 32, ///< places behind all sources, and behind a row, that a half pass may read
     SPHV_HALF_SUMS = SPHV_PASS_FIELDS * (1 + SPHV_DIMENSIONS), ///< of one half pass
 };
@@ -43,13 +46,20 @@ typedef struct sphv_pass {
 
 typedef void sphv_pass_function(sphv_pass *pass, size_t count, const sphv_range *ranges);
 
-/// Targets that follow each other, and the sources of one row that may be their neighbours; `sure`
-/// only where there are as many targets as a tile takes.
+/// Targets of one row that are close together.
 typedef struct sphv_half_tile {
-    size_t first, count;
+    uint32_t target[SPHV_HALF_TILE], count;
+    uint32_t first, last; ///< the least and the greatest of them
+    double low[SPHV_DIMENSIONS], high[SPHV_DIMENSIONS];
+} sphv_half_tile;
+
+/// A tile, and the sources of one row that may be its neighbours; `sure` only where the tile has as
+/// many targets as the pass takes together.
+typedef struct sphv_half_visit {
+    const sphv_half_tile *tile;
     bool own; ///< the row is their own: each meets the sources behind it
     sphv_range range;
-} sphv_half_tile;
+} sphv_half_visit;
 
 /// Pairs that are visited once, for the sums of the level PLAIN: a tile of targets after the other,
 /// sources of one row in the lanes of a vector. The pass adds to the sums of both.
@@ -58,7 +68,7 @@ typedef struct sphv_half_pass {
     sphv_sources
         sources; ///< fields are v A; arrays begin on a line of the cache, have 32 places to spare
     size_t count;
-    const sphv_half_tile *tile;
+    const sphv_half_visit *visit;
     double *total; ///< sum k of target a: total[k * stride + a]
     size_t stride;
     double *row; ///< sum k of source b: row[k * room + b − first]
