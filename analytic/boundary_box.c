@@ -115,12 +115,14 @@ static sphv_status predict_alike(const struct question *of, size_t count,
     sphv_jitter_group *jitter = NULL;
     int degree = 0;
     sphv_status status = sphv_field_theory_make(of->field, &theory.field, error), last = SPHV_OK;
-    if (status == SPHV_OK && box->amplitude > 0 && !(jitter = malloc(sizeof *jitter)))
-        status = sphv_fail(error, SPHV_RESOURCE_FAILURE, "not enough memory for a box's theory");
     if (status != SPHV_OK) return status;
-    if (jitter)
+    if (box->amplitude > 0) {
+        jitter = malloc(sizeof *jitter);
+        if (!jitter)
+            return sphv_fail(error, SPHV_RESOURCE_FAILURE, "not enough memory for a box's theory");
         sphv_jitter_start(box, of->profile, of->h, theory.volume, of->source == SPHV_MOMENTS_EVERY,
                           of->field, jitter);
+    }
     for (size_t m = 0; m < count; m++) {
         if (jitter && (last = sphv_jitter_add(jitter, methods[m], error)) != SPHV_OK) continue;
         to[theory.count] = out[m];

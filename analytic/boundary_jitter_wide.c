@@ -272,13 +272,16 @@ sphv_status sphv_widen_jitter(sphv_jitter_group *group, sphv_box_prediction *con
     sphv_jitter_cloud *cloud = &group->cloud;
     struct orders most = fine[cloud->d - 1];
     struct changes *changes = calloc(2 * group->count, sizeof *changes);
-    struct changes *rough = changes + group->count;
+    struct changes *rough = NULL;
     sphv_status status = sphv_jitter_cloud_make(
         cloud, (size_t)gsl_pow_int(2 * most.neighbours + 2, cloud->d) + 2, error);
     if (!changes)
         status = sphv_fail(error, SPHV_RESOURCE_FAILURE, "not enough memory for a box's theory");
     if (status == SPHV_OK) status = find_changes(group, most, changes, error);
-    if (status == SPHV_OK) status = find_changes(group, coarse[cloud->d - 1], rough, error);
+    if (status == SPHV_OK) {
+        rough = changes + group->count;
+        status = find_changes(group, coarse[cloud->d - 1], rough, error);
+    }
     sphv_jitter_cloud_free(cloud);
     for (size_t m = 0; m < group->count && status == SPHV_OK; m++) {
         sphv_box_prediction *to = out[m];
