@@ -77,7 +77,7 @@ static sphv_status half_make(struct half *half, const sphv_evaluation *evaluatio
     *half = (struct half){.count = evaluation->particles->count,
                           .sums = (size_t)(layout->count - layout->size_at - 3)};
     // Thick rows make long runs of sources, thin ones few that are not neighbours.
-    double thickness = 2 + sphv_mean_reach(evaluation) / (getenv("TT") ? atof(getenv("TT")) : 12);
+    double thickness = 2 + sphv_mean_reach(evaluation) / 12;
     sphv_status status = sphv_sorted_make(&half->sorted, evaluation, thickness, error);
     if (status != SPHV_OK) return status;
     const sphv_cell_grid *grid = &half->sorted.grid;
