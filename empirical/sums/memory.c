@@ -11,11 +11,21 @@
 
 static const size_t PAGE = (size_t)2 << 20, LINE = 64;
 
+#if defined(__linux__) && defined(MADV_HUGEPAGE)
 /// Whether an array is worth large pages, and small enough to be rounded up to them.
 static bool is_large(size_t count, size_t size)
 {
     return count <= (SIZE_MAX - PAGE) / size && count * size >= PAGE / 2;
 }
+
+/// Touches every large page, so that the system hands each out once: threads that happen to touch a
+/// new page at the same time would both have it cleared.
+static void touch(char *array, size_t bytes)
+{
+#pragma omp parallel for schedule(static) if (bytes > PAGE)
+    for (size_t at = 0; at < bytes; at += PAGE) *(volatile char *)(array + at) = 0;
+}
+#endif
 
 void *sphv_room(size_t count, size_t size)
 {
@@ -26,6 +36,7 @@ void *sphv_room(size_t count, size_t size)
         void *array = aligned_alloc(PAGE, bytes);
         // a wish: without it the array is as good
         if (array) (void)madvise(array, bytes, MADV_HUGEPAGE);
+        if (array) touch(array, bytes);
         return array;
     }
 #endif

@@ -35,12 +35,12 @@ struct workload {
     double h, peer_h; ///< smoothing length, and in PySPH's convention of the kernel
     sphv_method method;
     /// Floating-point operations of a pair, a fused multiply-add counted as two: distance 3d, root,
-    /// radial functions, sums (pass.c).
+    /// radial functions, sums (pass.c); half of those that serve a pair's both ends (half_pass.c).
     double flops;
 };
 
 static const struct workload workloads[WORKLOADS] = {
-    {"W1", "sigalotti-wendland-c4", "wendland-c4", 2, 250, 0.158, 0.079, SPHV_SPH, 33},
+    {"W1", "sigalotti-wendland-c4", "wendland-c4", 2, 250, 0.158, 0.079, SPHV_SPH, 17.5},
     {"W2", "cubic-spline", "cubic-spline", 2, 750, 1.2 / 750, 1.2 / 750, SPHV_BONET_LOK, 60},
     {"W3", "cubic-spline", "cubic-spline", 3, 100, 0.013, 0.013, SPHV_BONET_LOK, 75},
 };
@@ -274,6 +274,20 @@ static double run_peer(const char *script, const struct workload *of, const stru
     return fastest;
 }
 
+/// The first of two runs may have to wake or start a thread. \return seconds by the clock on the
+/// wall
+static double fastest_of_two(const struct setting *of, sphv_method method, int threads)
+{
+    sphv_estimates out;
+    double seconds = INFINITY;
+    omp_set_num_threads(threads);
+    for (int i = 0; i < 2; i++) {
+        seconds = fmin(seconds, run(of, 1, 1, &method, CLOCK_MONOTONIC, &out));
+        sphv_estimates_free(&out);
+    }
+    return seconds;
+}
+
 static void bench(const struct workload *of, const char *script, double (*peak)(void))
 {
     struct setting setting;
@@ -294,11 +308,8 @@ static void bench(const struct workload *of, const char *script, double (*peak)(
         rate[round] = out.pairs / ours[round];
         sphv_estimates_free(&out);
         scalar[round] = run_scalar(&setting, of->method != SPHV_SPH);
-        one[round] = run(&setting, 1, 1, &of->method, CLOCK_MONOTONIC, &out);
-        sphv_estimates_free(&out);
-        omp_set_num_threads(2);
-        two[round] = run(&setting, 1, 1, &of->method, CLOCK_MONOTONIC, &out);
-        sphv_estimates_free(&out);
+        one[round] = fastest_of_two(&setting, of->method, 1);
+        two[round] = fastest_of_two(&setting, of->method, 2);
     }
     shuffle(&setting);
     omp_set_num_threads(1);
@@ -309,7 +320,7 @@ static void bench(const struct workload *of, const char *script, double (*peak)(
     double unit[ROUNDS] = {1, 1, 1, 1}, flops[ROUNDS];
     for (int i = 0; i < ROUNDS; i++) flops[i] = rate[i] * of->flops;
     print_ratio("pairs in support per second", rate, unit);
-    printf("   %.0f flops a pair\n", of->flops);
+    printf("   %.3g flops a pair\n", of->flops);
     print_ratio("share of the peak of fused multiply-adds", flops, fma);
     print_ratio("times faster than the scalar loop", scalar, ours);
     print_ratio("time with shuffled particles, of that in order,", shuffled, ours);
