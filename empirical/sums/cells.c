@@ -59,24 +59,24 @@ static void choose_cells(sphv_cell_grid *grid, const sphv_extent *extent, double
     }
 }
 
-static void cut_cells(sphv_cell_grid *grid, size_t rows, sphv_bolt *bolt)
+static void place_cells(sphv_cell_grid *grid, size_t rows, sphv_arena *arena)
 {
     for (int i = 0; i < grid->dimension; i++)
-        grid->x[i] = sphv_cut(bolt, grid->count + SPHV_SPARE, sizeof *grid->x[i]);
-    grid->volume = sphv_cut(bolt, grid->count + SPHV_SPARE, sizeof *grid->volume);
-    grid->particle = sphv_cut(bolt, grid->count, sizeof *grid->particle);
-    grid->target = sphv_cut(bolt, grid->targets, sizeof *grid->target);
-    grid->start = sphv_cut(bolt, rows * grid->cells[0] + 2, sizeof *grid->start);
-    grid->row = sphv_cut(bolt, rows + 1, sizeof *grid->row);
+        grid->x[i] = sphv_arena_take(arena, grid->count + SPHV_SPARE, sizeof *grid->x[i]);
+    grid->volume = sphv_arena_take(arena, grid->count + SPHV_SPARE, sizeof *grid->volume);
+    grid->particle = sphv_arena_take(arena, grid->count, sizeof *grid->particle);
+    grid->target = sphv_arena_take(arena, grid->targets, sizeof *grid->target);
+    grid->start = sphv_arena_take(arena, rows * grid->cells[0] + 2, sizeof *grid->start);
+    grid->row = sphv_arena_take(arena, rows + 1, sizeof *grid->row);
 }
 
 static bool allocate_cells(sphv_cell_grid *grid, size_t rows)
 {
-    sphv_bolt bolt = {NULL, 0};
-    cut_cells(grid, rows, &bolt);
-    if (!sphv_bolt_buy(&bolt)) return false;
-    grid->memory = bolt.memory;
-    cut_cells(grid, rows, &bolt);
+    sphv_arena arena = {NULL, 0};
+    place_cells(grid, rows, &arena);
+    if (!sphv_arena_reserve(&arena)) return false;
+    grid->memory = arena.memory;
+    place_cells(grid, rows, &arena);
     for (int n = 0; n < SPHV_SPARE; n++) {
         for (int i = 0; i < grid->dimension; i++) grid->x[i][grid->count + (size_t)n] = 0;
         grid->volume[grid->count + (size_t)n] = 0;

@@ -83,15 +83,15 @@ static sphv_status check(const sphv_particles *particles, const sphv_request *re
 }
 
 /// Cuts the arrays over particles.
-static void cut_estimates(sphv_estimates *out, sphv_bolt *bolt)
+static void place_estimates(sphv_estimates *out, sphv_arena *arena)
 {
-    out->neighbours = sphv_cut(bolt, out->count, sizeof *out->neighbours);
+    out->neighbours = sphv_arena_take(arena, out->count, sizeof *out->neighbours);
     for (size_t m = 0; m < out->method_count; m++) {
         sphv_method_estimates *method = &out->methods[m];
-        method->condition = sphv_cut(bolt, out->count, sizeof *method->condition);
-        method->fault = sphv_cut(bolt, out->count, sizeof *method->fault);
+        method->condition = sphv_arena_take(arena, out->count, sizeof *method->condition);
+        method->fault = sphv_arena_take(arena, out->count, sizeof *method->fault);
         for (size_t a = 0; a < out->field_count * method->quantities; a++)
-            method->estimate[a] = sphv_cut(bolt, out->count, sizeof **method->estimate);
+            method->estimate[a] = sphv_arena_take(arena, out->count, sizeof **method->estimate);
     }
 }
 
@@ -111,11 +111,11 @@ static bool make_estimates(sphv_estimates *out, const sphv_request *request, int
         method->estimate = sphv_array(arrays, sizeof *method->estimate);
         if (!method->rounding || !method->estimate) return false;
     }
-    sphv_bolt bolt = {NULL, 0};
-    cut_estimates(out, &bolt);
-    if (!sphv_bolt_buy(&bolt)) return false;
-    out->memory = bolt.memory;
-    cut_estimates(out, &bolt);
+    sphv_arena arena = {NULL, 0};
+    place_estimates(out, &arena);
+    if (!sphv_arena_reserve(&arena)) return false;
+    out->memory = arena.memory;
+    place_estimates(out, &arena);
     return true;
 }
 

@@ -51,20 +51,20 @@ void *sphv_array(size_t count, size_t size)
     return array;
 }
 
-void *sphv_cut(sphv_bolt *bolt, size_t count, size_t size)
+void *sphv_arena_take(sphv_arena *arena, size_t count, size_t size)
 {
-    const size_t from = bolt->used;
+    const size_t from = arena->used;
     if (from > SIZE_MAX - LINE || count > (SIZE_MAX - LINE - from) / size) {
-        bolt->used = SIZE_MAX;
+        arena->used = SIZE_MAX;
         return NULL;
     }
-    bolt->used += (count * size + LINE - 1) / LINE * LINE;
-    return bolt->memory ? bolt->memory + from : NULL;
+    arena->used += (count * size + LINE - 1) / LINE * LINE;
+    return arena->memory ? arena->memory + from : NULL;
 }
 
-bool sphv_bolt_buy(sphv_bolt *bolt)
+bool sphv_arena_reserve(sphv_arena *arena)
 {
-    bolt->memory = bolt->used < SIZE_MAX ? sphv_room(bolt->used, 1) : NULL;
-    bolt->used = 0;
-    return bolt->memory != NULL;
+    arena->memory = arena->used < SIZE_MAX ? sphv_room(arena->used, 1) : NULL;
+    arena->used = 0;
+    return arena->memory != NULL;
 }

@@ -14,17 +14,17 @@ void *sphv_array(size_t count, size_t size);
 /// The same without zeros, for arrays that are written before they are read.
 void *sphv_room(size_t count, size_t size);
 
-/// Memory that arrays are cut from one after the other, so that many of middling size get large
-/// pages together. Without memory the cuts are measured only.
-typedef struct sphv_bolt {
-    char *memory; ///< NULL, or as many bytes as all cuts took when they were measured
+/// Memory that arrays are taken from one after the other, so that many of middling size get large
+/// pages together. All are taken twice: before there is memory, that only measures.
+typedef struct sphv_arena {
+    char *memory; ///< NULL, or as many bytes as were measured
     size_t used;  ///< bytes; SIZE_MAX where they overflow
-} sphv_bolt;
+} sphv_arena;
 
 /// \return room for `count` things; NULL while measuring
-void *sphv_cut(sphv_bolt *bolt, size_t count, size_t size);
+void *sphv_arena_take(sphv_arena *arena, size_t count, size_t size);
 
 /// Gets the memory that was measured, and starts over. \return whether there was enough
-bool sphv_bolt_buy(sphv_bolt *bolt);
+bool sphv_arena_reserve(sphv_arena *arena);
 
 #endif

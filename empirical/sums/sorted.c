@@ -25,11 +25,11 @@ static void take_field(double *to, const double *field, const uint32_t *particle
     for (size_t b = 0; b < count; b++) to[b] = field[particle[b]];
 }
 
-static void cut_fields(sphv_sorted *sorted, size_t fields, sphv_bolt *bolt)
+static void place_fields(sphv_sorted *sorted, size_t fields, sphv_arena *arena)
 {
     size_t n = sorted->grid.count ? sorted->grid.count : 1;
     for (size_t f = 0; f < fields; f++)
-        sorted->field[f] = sphv_cut(bolt, n, sizeof **sorted->field);
+        sorted->field[f] = sphv_arena_take(arena, n, sizeof **sorted->field);
 }
 
 static bool make_sources(sphv_sorted *sorted)
@@ -43,11 +43,11 @@ static bool make_sources(sphv_sorted *sorted)
     size_t fields = sorted->fields ? sorted->fields : 1;
     sorted->field = calloc(fields, sizeof *sorted->field);
     if (!sorted->field) return false;
-    sphv_bolt bolt = {NULL, 0};
-    cut_fields(sorted, fields, &bolt);
-    if (!sphv_bolt_buy(&bolt)) return false;
-    sorted->memory = bolt.memory;
-    cut_fields(sorted, fields, &bolt);
+    sphv_arena arena = {NULL, 0};
+    place_fields(sorted, fields, &arena);
+    if (!sphv_arena_reserve(&arena)) return false;
+    sorted->memory = arena.memory;
+    place_fields(sorted, fields, &arena);
     if (sorted->fields == 0) memset(sorted->field[0], 0, grid->count * sizeof(double));
     const size_t chunks = sphv_chunks(grid->count);
 #pragma omp parallel for schedule(static) if (chunks > 1)
