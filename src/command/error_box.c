@@ -58,6 +58,11 @@ static sphv_status read_box(const sphv_arguments *arguments, sphv_box *box, sphv
     if (status == SPHV_OK)
         status = sphv_whole_option(arguments, "seed", 0, 1000000000, 1, &seed, error);
     if (status != SPHV_OK) return status;
+    if (box->layout != SPHV_PERTURBED && (box->reflected || sphv_argument(arguments, "jitter")))
+        return sphv_fail(
+            error, SPHV_INVALID_INPUT,
+            "--jitter and --reflected say how particles are perturbed; without --sigma "
+            "they are not");
     // Without a boundary there is no vertex to stand on.
     bool chosen = sphv_argument(arguments, "placement") != NULL;
     box->placement = box->periodic && !chosen ? SPHV_PLACEMENT_CELL : (sphv_placement)placement;
@@ -188,8 +193,9 @@ static void print_text(const struct error_box *of, const sphv_box_point *point)
         printf("%s (%s)\n", sphv_verdict_name(point->verdict),
                sphv_rigour_name(point->analytic.rigour));
     else
-        printf("%s: no theory for these particles and this method\n",
-               sphv_verdict_name(point->verdict));
+        printf("%s: %s\n", sphv_verdict_name(point->verdict),
+               point->norms[0].counted > 0 ? "no theory for these particles and this method"
+                                           : "no particle is left to compare");
 }
 
 static json_t *prediction_json(const sphv_box_point *point, size_t q, const sphv_result *of)

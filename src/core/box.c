@@ -33,8 +33,9 @@ sphv_status sphv_box_check(const sphv_box *box, sphv_error *error)
     bool vertex = on_lattice(box) && box->placement == SPHV_PLACEMENT_VERTEX;
     if (box->side < (vertex ? 2 : 1))
         return sphv_fail(error, SPHV_INVALID_INPUT,
-                         "%zu particles along a side; allowed: at least %d%s", box->side,
-                         vertex ? 2 : 1, vertex ? " with placement vertex" : "");
+                         "%zu particle%s along a side; allowed: at least %d%s", box->side,
+                         box->side == 1 ? "" : "s", vertex ? 2 : 1,
+                         vertex ? " with placement vertex" : "");
     // In doubles, where nothing overflows; the limit is far below 2^53.
     if (!(pow((double)box->side, box->dimension) <= SPHV_BOX_PARTICLES_MAX))
         return sphv_fail(error, SPHV_INVALID_INPUT,

@@ -91,5 +91,7 @@ refuse 2 'not with --particles' error -k cubic-spline --particles 625 -s 0.9 --f
 refuse 2 'allowed' error -k cubic-spline --particles 625 -s 0.9 --volume tessellated
 refuse 2 'not legal' error -k monaghan-m4-prime --dim 3 --particles 1000 -s 0.9
 refuse 2 'allowed' error -k cubic-spline --particles 625 --h nan
+refuse 2 'perturbed' error -k cubic-spline --particles 625 -s 0.9 --jitter uniform
+refuse 2 'perturbed' error -k cubic-spline --particles 625 -s 0.9 --reflected --sigma 0
 refuse 2 'x = ' error -k cubic-spline --particles 625 -s 0.9 --field f2 --sigma 0.3
 finish

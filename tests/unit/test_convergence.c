@@ -52,7 +52,7 @@ static void test_bad_files(void **state)
         {"dimension: 2", "dimension: two", "allowed: an integer"},
         {"[256, 576, 1024]", "[256, 577, 1024]", ":7: 577 particles in 2 dimensions"},
         {"[256, 576, 1024]", "[256, -4, 1024]", ":7: -4 particles"},
-        {"[256, 576, 1024]", "[1, 576, 1024]", "1 particles along a side"},
+        {"[256, 576, 1024]", "[1, 576, 1024]", "1 particle along a side"},
         {"[256, 576, 1024]", "[1e300, 576, 1024]", ":7: 1e300"},
         {"[256, 576, 1024]", "[256, 576, 1024]\nratios: [1]", "3 numbers of particles"},
         {"[256, 576, 1024]", "[256]\nratios: [0]", "h/Δx = 0"},
