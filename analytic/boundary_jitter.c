@@ -6,8 +6,10 @@
 enum {
     N = SPHV_QUANTITIES_MAX,
     SUM_ORDER = 8, ///< nodes of a panel of particles that are alike: 1e−5 for sin² 4πx
-    REACH_MAX = 4, ///< spacings in a support's radius where every neighbour is taken
 };
+
+/// Supports' radii in spacings, by dimension, up to which every neighbour is taken.
+static const int reach_max[SPHV_DIMENSIONS] = {256, 8, 4};
 
 /// Largest standard deviation of a displacement, in Δx, that is still small.
 static const double deviation_max = 0.15;
@@ -166,15 +168,21 @@ static sphv_status check(const sphv_jitter_cloud *cloud, sphv_method method, sph
             error, SPHV_NO_CLOSED_FORM,
             "a support of %.3g spacings on a perturbed lattice; in three dimensions the "
             "theory of boxes goes to %d",
-            cloud->profile->support / cloud->ds, REACH_MAX);
-    // Where p_2 has no bound at the origin, the nearest neighbours are not like the others.
+            cloud->profile->support / cloud->ds, reach_max[cloud->d - 1]);
+    // Where p_1 or p_2 has no bound at the origin, the nearest neighbours are not like the others.
+    if (cloud->wide && sphv_profile_derivative(cloud->profile, 1, 0).value != 0)
+        return sphv_fail(
+            error, SPHV_NO_CLOSED_FORM,
+            "the kernel's derivative does not vanish at the origin: no theory of perturbed boxes "
+            "with supports of more than %d spacings",
+            reach_max[cloud->d - 1]);
     if (cloud->wide && method == SPHV_MSPH &&
         sphv_profile_derivative(cloud->profile, 3, 0).value != 0)
         return sphv_fail(
             error, SPHV_NO_CLOSED_FORM,
             "the kernel's third derivative does not vanish at the origin: no theory of "
             "perturbed boxes for method 'msph' with supports of more than %d spacings",
-            REACH_MAX);
+            reach_max[cloud->d - 1]);
     switch (method) {
     case SPHV_SPH:
     case SPHV_SPH_DIFFERENCE:
@@ -195,18 +203,19 @@ void sphv_jitter_start(const sphv_box *box, const sphv_profile *profile, double 
 {
     double ds = sphv_box_spacing(box) / h;
     out->count = 0;
-    out->cloud = (sphv_jitter_cloud){.box = box,
-                                     .profile = profile,
-                                     .field = field,
-                                     .d = box->dimension,
-                                     .h = h,
-                                     .dx = sphv_box_spacing(box),
-                                     .ds = ds,
-                                     .v = volume * gsl_pow_int(ds, box->dimension),
-                                     .wide = !every && profile->support / ds > REACH_MAX,
-                                     .free = displacement_of(box, false, 1),
-                                     .low = displacement_of(box, true, 1),
-                                     .high = displacement_of(box, true, -1)};
+    out->cloud =
+        (sphv_jitter_cloud){.box = box,
+                            .profile = profile,
+                            .field = field,
+                            .d = box->dimension,
+                            .h = h,
+                            .dx = sphv_box_spacing(box),
+                            .ds = ds,
+                            .v = volume * gsl_pow_int(ds, box->dimension),
+                            .wide = !every && profile->support / ds > reach_max[box->dimension - 1],
+                            .free = displacement_of(box, false, 1),
+                            .low = displacement_of(box, true, 1),
+                            .high = displacement_of(box, true, -1)};
 }
 
 sphv_status sphv_jitter_add(sphv_jitter_group *group, sphv_method method, sphv_error *error)

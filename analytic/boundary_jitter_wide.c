@@ -22,9 +22,11 @@ enum {
 /// particle.
 struct orders {
     int strip, interior, neighbours;
+    bool on_lines; ///< particles near a side are moved to the nearest line
 };
 /// By dimension: places and neighbours are products.
-static const struct orders fine[] = {{10, 12, 12}, {4, 6, 6}}, coarse[] = {{7, 9, 8}, {2, 4, 4}};
+static const struct orders fine[] = {{10, 12, 12, false}, {4, 6, 6, false}};
+static const struct orders coarse[] = {{7, 9, 8, true}, {2, 4, 4, true}};
 
 /// Some of the lines of one coordinate, by index, and how many each stands for.
 struct nodes {
@@ -53,7 +55,7 @@ struct changes {
     double square[REGIONS][SOURCES][2][N];
     /// (Mean error)² times variance, and variance², of own displacements and of neighbours'.
     double own[2][2][N], shared[2][2][N];
-    bool singular;
+    bool singular[2];
 };
 
 /// Adds nodes for the lines from … to − 1.
@@ -68,14 +70,28 @@ static bool add_nodes(struct nodes *nodes, double from, double to, int order)
     return true;
 }
 
+static double reach_of(const sphv_jitter_cloud *of)
+{
+    return of->profile->support / of->ds + 4 * of->box->amplitude;
+}
+
+/// Whether all lines within reach of an index are alike.
+static bool is_deep(const sphv_jitter_cloud *of, double index)
+{
+    double whole = floor(reach_of(of)), last = (double)of->box->side - 1;
+    return of->box->periodic || (index - whole > 1 && index + whole < last - 1);
+}
+
 /// The lines within reach of an index: the sides, which perturbations treat in another way, alone.
 static bool find_near(const sphv_jitter_cloud *of, double index, int order, struct nodes *out)
 {
-    double reach = of->profile->support / of->ds + 4 * of->box->amplitude;
-    double last = (double)of->box->side - 1;
+    double reach = reach_of(of), last = (double)of->box->side - 1;
     double from = ceil(index - reach), to = floor(index + reach) + 1;
     out->count = 0;
-    if (of->box->periodic) return add_nodes(out, from, to, 2 * order);
+    // Lines of the particle's own lattice: nodes need not be whole numbers, and few neighbours
+    // notice where theirs are.
+    double whole = floor(reach);
+    if (is_deep(of, index)) return add_nodes(out, index - whole, index + whole + 1, 2 * order);
     double lines = fmin(to, last) - fmax(from, 1);
     int nodes = (int)fmin(2 * order, ceil(order * lines / reach));
     return (from > 0 || add_nodes(out, 0, 1, 1)) &&
@@ -101,6 +117,9 @@ static bool find_places(const sphv_jitter_cloud *of, struct orders orders, struc
         for (int i = 0; i < nodes.count; i++) {
             struct place *place = &out->at[out->count++];
             place->index = nodes.index[i];
+            // Near a side lines are not the particle's own lattice: what that makes of the rule is
+            // the difference from particles that are on the lines.
+            if (orders.on_lines && !is_deep(of, place->index)) place->index = rint(place->index);
             place->weight = nodes.weight[i];
             place->panel = panel;
             place->inside = whole || (panel == 2 && margin < side - margin);
@@ -164,11 +183,10 @@ static void add_particle(sphv_jitter_sums *of, const struct place *const *at, co
         weight *= at[i]->weight;
         inside = inside && at[i]->inside;
     }
-    if (!sphv_jitter_effects(of, &effects)) {
-        to->singular = true;
-        return;
-    }
+    bool regular = sphv_jitter_effects(of, &effects);
     for (int part = 0; part < (inside ? 2 : 1); part++) {
+        if (!regular) to->singular[part] = true;
+        if (to->singular[part]) continue;
         to->count[part] += weight;
         for (size_t q = 0; q < of->quantities; q++) {
             double mean = effects.mean[q], own = effects.own[q];
@@ -217,10 +235,12 @@ static sphv_status find_changes(sphv_jitter_group *group, struct orders orders, 
         for (int i = 0; i < cloud->d; i++) at[i] = &places.at[node[i]];
         put(cloud, at, false);
         for (size_t m = 0; m < group->count; m++)
-            if (!sphv_jitter_error(&group->sums[m], lattice[m])) to[m].singular = true;
+            if (!sphv_jitter_error(&group->sums[m], lattice[m]))
+                to[m].singular[0] = to[m].singular[1] = true;
         put(cloud, at, true);
         for (size_t m = 0; m < group->count; m++)
-            if (!to[m].singular) add_particle(&group->sums[m], at, lattice[m], &to[m]);
+            if (!to[m].singular[0] || !to[m].singular[1])
+                add_particle(&group->sums[m], at, lattice[m], &to[m]);
         int i = cloud->d - 1;
         while (i >= 0 && ++node[i] == places.count) node[i--] = 0;
         more = i >= 0;
@@ -242,11 +262,27 @@ static double deviation_of(const sphv_jitter_cloud *of, const struct changes *fr
     return sqrt(fmax(own, 0)) + sqrt(fmax(shared, 0));
 }
 
+/// The interior's particles are taken for those of the lattice. A line's particles cross the margin
+/// by 2a of a spacing or less, and squares there are taken for four times the mean at most: what
+/// that does to a mean over the interior, relative to it.
+static double astray(const sphv_jitter_cloud *of)
+{
+    double lines = (double)of->box->side - 2 * ceil(of->profile->support / of->ds);
+    if (of->box->periodic) return 0;
+    return 8 * of->box->amplitude * of->d / fmax(lines, 1);
+}
+
 /// Corrects one norm. \param scatter  what is known of its standard deviation, added to
 static void correct(const sphv_jitter_cloud *of, const struct changes *from,
                     const struct changes *rough, int part, size_t q, sphv_result *norm,
                     double *scatter)
 {
+    // A norm of the lattice over particles that none of the nodes stands for is no better.
+    if (from->singular[part] || (!(from->count[part] > 0) && norm->value != 0)) {
+        *norm = (sphv_result){NAN, INFINITY};
+        *scatter = INFINITY;
+        return;
+    }
     if (!(from->count[part] > 0)) return;
     double scale = gsl_pow_int(of->h, -2 * sphv_monomials(of->d)[q].degree);
     double square = gsl_pow_2(norm->value), doubt = from->next[part][q];
@@ -256,13 +292,14 @@ static void correct(const sphv_jitter_cloud *of, const struct changes *from,
             doubt += 2 * fabs(from->square[r][n][part][q] - rough->square[r][n][part][q]);
         }
     square = fmax(0, square);
+    if (part == 1) doubt += astray(of) * square / scale;
     double margin = 2 * norm->value * *scatter, value = sqrt(square);
     double rounding = norm->bound + sqrt(square + scale * from->rounding[part][q]) - value;
     double bound = sqrt(square + scale * doubt) - value;
     *norm = (sphv_result){value, bound + rounding};
     *scatter = hypot(margin, scale * deviation_of(of, from, part, q)) / (2 * value);
     if (!(*scatter >= 0)) *scatter = INFINITY; // no error at all
-    if (from->singular || !(bound <= SPHV_JITTER_BOUND_MAX * value + rounding))
+    if (!(doubt >= 0) || !(bound >= 0 && bound <= SPHV_JITTER_BOUND_MAX * value + rounding))
         *norm = (sphv_result){NAN, INFINITY};
 }
 

@@ -56,7 +56,8 @@ SPHV_INLINE void reproducing(const sphv_solve_task *task, const int d, size_t at
             }
         }
     for (size_t f = 0; f < task->request->field_count; f++) {
-        sphv_bounded found[SPHV_QUANTITIES_MAX], right[SPHV_UNKNOWNS_MAX], a[SPHV_UNKNOWNS_MAX];
+        sphv_bounded found[SPHV_QUANTITIES_MAX] = {{{0}, {0}}};
+        sphv_bounded right[SPHV_UNKNOWNS_MAX], a[SPHV_UNKNOWNS_MAX];
         for (int i = 0; i < n; i++)
             right[i] = sphv_field_sum(&pack, d, f, 0, sphv_low_monomial(d, i));
         sphv_dense_solve(n, &matrix, right, a);

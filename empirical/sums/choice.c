@@ -80,17 +80,29 @@ bool sphv_convolution_wins(const sphv_evaluation *evaluation)
     return memory < MEMORY_MAX && error < ERROR_MAX && convolution < direct;
 }
 
-double sphv_mean_reach(const sphv_evaluation *evaluation)
+sphv_mean sphv_mean_of(const sphv_evaluation *evaluation)
 {
     const sphv_particles *particles = evaluation->particles;
-    double volume = 1;
-    for (int i = 0; i < particles->dimension; i++) {
+    double extent[SPHV_DIMENSIONS], spacing = 0;
+    int d = particles->dimension, axes = d;
+    for (int i = 0; i < d; i++) {
         sphv_span span = sphv_span_of(particles->x[i], particles->count);
-        volume *= span.high - span.low;
+        extent[i] = span.high - span.low;
     }
-    double spacing = pow(volume / (double)particles->count, 1.0 / particles->dimension);
+    // Axes along which particles are next to each other everywhere do not count.
+    for (int pass = 0; pass < d && axes > 0; pass++) {
+        double volume = 1;
+        axes = 0;
+        for (int i = 0; i < d; i++)
+            if (extent[i] > spacing) {
+                volume *= extent[i];
+                axes++;
+            }
+        if (axes > 0) spacing = pow(volume / (double)particles->count, 1.0 / axes);
+    }
     double reach = evaluation->request->profile->support * evaluation->request->h / spacing;
-    return isfinite(reach) ? reach : 0;
+    if (axes == 0 || !isfinite(reach)) return (sphv_mean){0, 0};
+    return (sphv_mean){reach, ball[axes - 1] * gsl_pow_int(reach, axes)};
 }
 
 bool sphv_half_pairs_win(const sphv_evaluation *evaluation)
@@ -102,5 +114,5 @@ bool sphv_half_pairs_win(const sphv_evaluation *evaluation)
         return false;
     for (size_t m = 0; m < request->method_count; m++)
         if (request->methods[m] != SPHV_SPH) return false;
-    return ball[d - 1] * gsl_pow_int(sphv_mean_reach(evaluation), d) > HALF_PAIRS_MIN;
+    return sphv_mean_of(evaluation).neighbours > HALF_PAIRS_MIN;
 }

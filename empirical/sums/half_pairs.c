@@ -40,16 +40,14 @@ struct offset {
 static bool make_fields(struct half *half, bool *finite)
 {
     const sphv_sorted *sorted = &half->sorted;
-    double largest = 0;
     for (size_t f = 0; f < sorted->fields; f++) {
         double *field = half->field[f] = sphv_array(half->count + SPHV_SPARE, sizeof(double));
         if (!field) return false;
         for (size_t b = 0; b < half->count; b++) {
             field[b] = sorted->field[f][b] * sorted->v[b];
-            largest = fmax(largest, fabs(field[b]));
+            *finite = *finite && isfinite(field[b]);
         }
     }
-    *finite = isfinite(largest);
     return true;
 }
 
@@ -77,7 +75,7 @@ static sphv_status half_make(struct half *half, const sphv_evaluation *evaluatio
     *half = (struct half){.count = evaluation->particles->count,
                           .sums = (size_t)(layout->count - layout->size_at - 3)};
     // Thick rows make long runs of sources, thin ones few that are not neighbours.
-    double thickness = 2 + sphv_mean_reach(evaluation) / 12;
+    double thickness = 2 + sphv_mean_of(evaluation).reach / 12;
     sphv_status status = sphv_sorted_make(&half->sorted, evaluation, thickness, error);
     if (status != SPHV_OK) return status;
     const sphv_cell_grid *grid = &half->sorted.grid;
@@ -91,10 +89,11 @@ static sphv_status half_make(struct half *half, const sphv_evaluation *evaluatio
     half->total = sphv_array(half->count * half->sums, sizeof(double));
     half->number = sphv_array(half->count, sizeof(double));
     half->depth = sphv_array(half->count, sizeof(double));
-    bool finite = false;
+    bool finite = true;
+    bool cusp = sphv_profile_derivative(evaluation->request->profile, 1, 0).value != 0;
     bool enough = half->total && half->number && half->depth && make_fields(half, &finite) &&
                   sphv_half_tiles_make(&half->tiles, grid, half->size);
-    if (enough && finite && half->pass) return SPHV_OK;
+    if (enough && finite && !cusp && half->pass) return SPHV_OK;
     half_free(half);
     if (enough)
         return sphv_fail(error, SPHV_NO_CLOSED_FORM,

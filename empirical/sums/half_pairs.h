@@ -15,13 +15,18 @@
 /// that does not depend on the threads.
 ///
 /// For two or three dimensions, one or two fields, not for periodic boxes.
-/// \return SPHV_NO_CLOSED_FORM for kernels that are not compiled, and fields that overflow
+/// \return SPHV_NO_CLOSED_FORM for kernels that are not compiled or have a cusp at the origin, and
+/// for fields that overflow
 sphv_status sphv_evaluate_half_pairs(const sphv_evaluation *evaluation, sphv_error *error);
 
 /// Whether that is possible for a request, and faster than a target at a time.
 bool sphv_half_pairs_win(const sphv_evaluation *evaluation);
 
-/// The support's radius in mean spacings of the particles; 0 where they have none.
-double sphv_mean_reach(const sphv_evaluation *evaluation);
+/// What particles have on average, were they spread evenly; 0 where that says nothing.
+typedef struct sphv_mean {
+    double reach;      ///< the support's radius in spacings
+    double neighbours; ///< of a particle in the interior
+} sphv_mean;
+sphv_mean sphv_mean_of(const sphv_evaluation *evaluation);
 
 #endif

@@ -148,7 +148,7 @@ SPHV_INLINE void run(sphv_half_pass *pass, const int dimension, const int fields
 {
     const half_plan of = half_plan_make(dimension, fields, known);
     const int count = of.fields * of.per_field;
-    const size_t step = (size_t)(AT_ONCE / of.tile * LANES), size = (size_t)of.tile;
+    const size_t size = (size_t)of.tile, step = AT_ONCE / size * LANES;
     const sphv_radial_form form = known.knots > 0 ? known.form : pass->radial->form;
     const sphv_sources *sources = &pass->sources;
     sphv_radial copy;
