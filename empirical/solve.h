@@ -143,9 +143,6 @@ SPHV_INLINE sphv_lanes sphv_pack_cancellation(const sphv_pack *pack, sphv_lanes 
     }
 
 /// The name of a solver of the instruction set that this is compiled for.
-#ifndef SPHV_SET
-#define SPHV_SET plain
-#endif
 #define SPHV_SOLVER(name) SPHV_SOLVER_OF(name, SPHV_SET)
 #define SPHV_SOLVER_OF(name, set) SPHV_SOLVER_JOIN(name, set)
 #define SPHV_SOLVER_JOIN(name, set) sphv_solve_##name##_##set

@@ -14,7 +14,7 @@ SPHV_INLINE void standard(const sphv_solve_task *task, const int d, size_t at,
     const bool plain = task->block->layout->level == SPHV_SUMS_PLAIN;
     sphv_pack_judge(&pack, &condition, &defect);
     for (size_t f = 0; f < task->request->field_count; f++) {
-        sphv_bounded found[SPHV_QUANTITIES_MAX], own = sphv_own_value(&pack, f);
+        sphv_bounded found[SPHV_QUANTITIES_MAX] = {{{0}, {0}}}, own = sphv_own_value(&pack, f);
         found[0] = sphv_field_sum(&pack, d, f, 0, one);
         if (!plain)
             found[0] = sphv_bounded_add(sphv_bounded_multiply(own, sphv_moment(&pack, d, 0, one)),
@@ -43,7 +43,7 @@ SPHV_INLINE void shepard(const sphv_solve_task *task, const int d, size_t at)
     sphv_lanes condition = sphv_pack_cancellation(&pack, defect);
     sphv_pack_judge(&pack, &condition, &defect);
     for (size_t f = 0; f < task->request->field_count; f++) {
-        sphv_bounded found[SPHV_QUANTITIES_MAX];
+        sphv_bounded found[SPHV_QUANTITIES_MAX] = {{{0}, {0}}};
         sphv_bounded excess = sphv_bounded_multiply(sphv_field_sum(&pack, d, f, 0, one), over);
         found[0] = sphv_bounded_add(sphv_own_value(&pack, f), excess);
         SPHV_UNROLL

@@ -37,7 +37,7 @@ SPHV_INLINE void corrected(const sphv_solve_task *task, const int d, size_t at, 
     defect = sphv_dense_raise(defect, matrix.defect);
     sphv_pack_judge(&pack, &condition, &defect);
     for (size_t f = 0; f < task->request->field_count; f++) {
-        sphv_bounded found[SPHV_QUANTITIES_MAX], right[SPHV_DIMENSIONS];
+        sphv_bounded found[SPHV_QUANTITIES_MAX] = {{{0}, {0}}}, right[SPHV_DIMENSIONS];
         sphv_bounded excess = sphv_field_sum(&pack, d, f, 0, one);
         SPHV_UNROLL
         for (int i = 0; i < d; i++) {
@@ -92,7 +92,7 @@ SPHV_INLINE void taylor(const sphv_solve_task *task, const int d, size_t at, con
     sphv_dense_factor(n, &matrix);
     sphv_pack_judge(&pack, &matrix.condition, &matrix.defect);
     for (size_t f = 0; f < task->request->field_count; f++) {
-        sphv_bounded found[SPHV_QUANTITIES_MAX], right[SPHV_UNKNOWNS_MAX];
+        sphv_bounded found[SPHV_QUANTITIES_MAX] = {{{0}, {0}}}, right[SPHV_UNKNOWNS_MAX];
         for (int i = 0; i < n; i++) right[i] = tested_field(&pack, d, f, sphv_low_monomial(d, i));
         sphv_dense_solve(n, &matrix, right, found);
         found[0] = sphv_bounded_add(sphv_own_value(&pack, f), found[0]);

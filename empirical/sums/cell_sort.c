@@ -182,6 +182,7 @@ static void count_chunk(const struct sort *sort, size_t chunk)
     size_t end = sphv_chunk_begin(particles->count, sort->chunks, chunk + 1);
     uint32_t *counts = sort->place + chunk * sort->buckets;
     struct tile tile;
+    // cppcheck-suppress uninitvar ; where rows of it begin is known
     double *x[SPHV_DIMENSIONS] = {tile.x[0], tile.x[1], tile.x[2]};
     memset(counts, 0, sort->buckets * sizeof *counts);
     while (b < end) {

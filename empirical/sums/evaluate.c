@@ -181,7 +181,7 @@ sphv_status sphv_estimate_particles(const sphv_particles *particles, const sphv_
     *out = (sphv_estimates){0};
     size_t fields = request->field_count;
     sphv_span *spans = sphv_array(fields, sizeof *spans);
-    double *spread = sphv_array(fields, 2 * sizeof *spread), *largest = spread + fields;
+    double *spread = sphv_array(fields, 2 * sizeof *spread);
     sphv_status status = SPHV_OK;
     if (spans && spread) status = check(particles, request, spans, error);
     if (status != SPHV_OK || !spans || !spread ||
@@ -193,6 +193,7 @@ sphv_status sphv_estimate_particles(const sphv_particles *particles, const sphv_
         return sphv_fail(error, SPHV_RESOURCE_FAILURE,
                          "out of memory for the estimates of %zu particles", particles->count);
     }
+    double *largest = spread + fields;
     for (size_t f = 0; f < fields && particles->count; f++) {
         spread[f] = (spans[f].high - spans[f].low) * (1 + 2 * SPHV_U);
         largest[f] = fmax(fabs(spans[f].low), fabs(spans[f].high));

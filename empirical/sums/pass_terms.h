@@ -9,10 +9,6 @@
 #include "vector.h"
 
 // A name of this instruction set's own.
-#ifndef SPHV_PASS_SET
-#define SPHV_PASS_SET plain
-#define SPHV_PASS_SET_NAME "plain"
-#endif
 #define PASS_JOIN_(name, set) name##_##set
 #define PASS_JOIN(name, set) PASS_JOIN_(name, set)
 #define PASS_NAME(name) PASS_JOIN(name, SPHV_PASS_SET)
